@@ -1,0 +1,1 @@
+"""Looking into streams: traces as trees, dumps, queries."""

@@ -1,0 +1,1 @@
+"""Checking decoders: adapters, runner, comparators, reports, and the command line."""

@@ -1,0 +1,4 @@
+"""The clean-room codec: every syntax table once, read, written, traced and broken on purpose.
+
+Imports nothing from `snhc.analyzer`, `snhc.vectors` or `snhc.conformance`.
+"""

@@ -1,0 +1,1 @@
+"""Bits: the cursor, the syntax machines, errors, findings, limits."""

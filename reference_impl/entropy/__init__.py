@@ -1,0 +1,1 @@
+"""The adaptive arithmetic coder (FBA-21..27) and prefix codes."""

@@ -1,0 +1,1 @@
+"""Face animation streams: syntax, decoding, encoding, text formats (FBA rules)."""

@@ -1,0 +1,1 @@
+"""One syntax, many machines: elements, the `SyntaxIO` base, reader, writer, tracer, faulty writer."""

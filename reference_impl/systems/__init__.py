@@ -1,0 +1,1 @@
+"""What surrounds a face or mesh stream: visual object headers (SYS rules)."""

@@ -1,0 +1,1 @@
+"""The vector suite: recipes, manifest, generated files."""
