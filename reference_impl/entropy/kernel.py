@@ -1,0 +1,261 @@
+"""The arithmetic coder, fast: whole segments, several bits at a time.
+
+Rules: FBA-21..27. `literal.py` says the same thing bit by bit; the tests hold the two together.
+
+Renormalisation shifts by k + m bits at once: k leading bits that low and high share (each was output), then m bits
+where low is 01.. and high is 10.. (each counted as pending). After the second kind the leading bits differ for good,
+so k then m is the whole loop of FBA-23.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from ..bitstream.cursor import MASKS, SEGMENT_BYTES, BitCursor, OutOfBits
+from ..bitstream.sink import BitSink
+from .model import MAX_FREQUENCY, Model
+
+GUARD_AFTER: Final = 22
+LOOK_AHEAD: Final = 14
+
+
+def segment_end(start: int, data_bits: int, guards: list[int]) -> int:
+    """Where raw parsing resumes after a segment.
+
+    Rules: FBA-26. `data_bits`: all data bits fetched, the 16 preloaded ones included; `guards`: for each guard met,
+    the number of data bits before it. Returns the absolute bit position behind the 2nd of the last 16 data bits.
+    """
+    used = data_bits - LOOK_AHEAD
+    end = start + used
+    for before in guards:
+        if before < used:
+            end += 1
+    return end
+
+
+def first_bad_guard(start: int, end: int, guards: list[int], values: list[int]) -> int:
+    """Bit position of the first guard of value 0 before the end of its segment, or -1. Rules: FBA-25, FBA-27."""
+    for i, before in enumerate(guards):
+        position = start + before + i
+        if position >= end:
+            break
+        if not values[i]:
+            return position
+    return -1
+
+
+def decode_segment(cursor: BitCursor, models: list[Model]) -> tuple[list[int], int]:
+    """Decode one segment: a level per model; P models adapt.
+
+    Rules: FBA-21..27. Leaves the cursor at the end of the segment. Returns the levels and the position of the first
+    bad guard (-1: none). Raises OutOfBits where the segment ends past the data.
+    """
+    cursor.ensure(SEGMENT_BYTES)
+    start = cursor.tell()
+    window = cursor.window
+    base = cursor.base << 3
+    acc = cursor.acc & MASKS[cursor.left]
+    left = cursor.left
+    nxt = cursor.next
+    zeros = 0
+    data_bits = 16
+    guards: list[int] = []
+    guard_values: list[int] = []
+    levels: list[int] = []
+
+    while left < 16:
+        acc = (acc << 32) | int.from_bytes(window[nxt : nxt + 4], "big")
+        nxt += 4
+        left += 32
+    left -= 16
+    value = (acc >> left) & 0xFFFF
+    acc &= MASKS[left]
+    zeros = 16 if value == 0 else (value & -value).bit_length() - 1
+    low = 0
+    high = 0xFFFF
+
+    for model in models:
+        n = model.n
+        if n == 1:
+            levels.append(model.lo)
+            continue
+        length = high - low + 1
+        total = model.total
+        c = ((value - low + 1) * total - 1) // length
+        if not model.adaptive:
+            s = n - 1 - c
+            high = low - 1 + length * (c + 1) // total
+            low += length * c // total
+        else:
+            freq = model.freq
+            if freq is None or model.above < 0:
+                freq = model.rebuild()
+            above = model.above
+            tree = model.tree
+            s = model.anchor
+            if tree is not None:
+                s = model.find(c)
+                below = model.cum_from(s + 1)
+                high = low - 1 + length * (below + freq[s]) // total
+                low += length * below // total
+                model.update(s)
+            else:
+                if above <= c:
+                    below = above
+                    s -= 1
+                    top = below + freq[s]
+                    while top <= c:
+                        below = top
+                        s -= 1
+                        top += freq[s]
+                else:
+                    top = above
+                    below = top - freq[s]
+                    while below > c:
+                        top = below
+                        s += 1
+                        below -= freq[s]
+                    model.above = above + 1
+                high = low - 1 + length * top // total
+                low += length * below // total
+                if total == MAX_FREQUENCY:
+                    model.above = above
+                    model.update(s)
+                else:
+                    freq[s] += 1
+                    model.total = total + 1
+        levels.append(s + model.lo)
+
+        k = 16 - (low ^ high).bit_length()
+        low = (low << k) & 0xFFFF
+        high = ((high << k) & 0xFFFF) | MASKS[k]
+        m = 15 - (~(low & ~high) & 0x7FFF).bit_length() if k < 16 else 0
+        if m:
+            low = (low << m) & 0x7FFF
+            high = 0x8000 | ((high << m) & 0x7FFF) | MASKS[m]
+        t = k + m
+        if not t:
+            continue
+        data_bits += t
+        if zeros + t <= GUARD_AFTER:
+            while left < t:
+                acc = (acc << 32) | int.from_bytes(window[nxt : nxt + 4], "big")
+                nxt += 4
+                left += 32
+            left -= t
+            w = acc >> left
+            acc &= MASKS[left]
+            if w:
+                zeros = (w & -w).bit_length() - 1
+            else:
+                zeros += t
+        else:
+            w = 0
+            for i in range(t):
+                if zeros == GUARD_AFTER:
+                    if left == 0:
+                        acc = int.from_bytes(window[nxt : nxt + 4], "big")
+                        nxt += 4
+                        left = 32
+                    left -= 1
+                    guards.append(data_bits - t + i)
+                    guard_values.append(acc >> left)
+                    acc &= MASKS[left]
+                    zeros = 0
+                if left == 0:
+                    acc = int.from_bytes(window[nxt : nxt + 4], "big")
+                    nxt += 4
+                    left = 32
+                left -= 1
+                bit = acc >> left
+                acc &= MASKS[left]
+                w = (w << 1) | bit
+                zeros = 0 if bit else zeros + 1
+        value = ((value << k) & 0xFFFF) | (w >> m)
+        if m:
+            value = (value & 0x8000) | ((value << m) & 0x7FFF) | (w & MASKS[m])
+
+    end = segment_end(start, data_bits, guards)
+    if end - base > cursor.limit << 3:
+        raise OutOfBits
+    cursor.seek(end)
+    if guards:
+        return levels, first_bad_guard(start, end, guards, guard_values)
+    return levels, -1
+
+
+def encode_segment(sink: BitSink, models: list[Model], levels: list[int]) -> None:
+    """Encode one segment; P models adapt. Each level must lie in its model. Rules: FBA-21..26."""
+    code, count = segment_code(models, levels)
+    write_guarded(sink, code, count)
+
+
+def segment_code(models: list[Model], levels: list[int]) -> tuple[int, int]:
+    """The data bits of a segment, without guards, as (number, count of bits). Rules: FBA-21..24, FBA-26."""
+    low = 0
+    high = 0xFFFF
+    pending = 0
+    code = 0
+    count = 0
+    for model, level in zip(models, levels, strict=True):
+        if model.n == 1:
+            continue
+        s = level - model.lo
+        length = high - low + 1
+        total = model.total
+        if model.adaptive:
+            below = model.cum_from(s + 1)
+            assert model.freq is not None
+            top = below + model.freq[s]
+            model.update(s)
+        else:
+            below = model.n - 1 - s
+            top = below + 1
+        high = low - 1 + length * top // total
+        low += length * below // total
+        k = 16 - (low ^ high).bit_length()
+        if k:
+            # The first shared bit resolves the pending ones, which are its opposite.
+            out = low >> (16 - k)
+            if pending:
+                first = out >> (k - 1)
+                code = (code << 1) | first
+                code = (code << pending) | (0 if first else (1 << pending) - 1)
+                code = (code << (k - 1)) | (out & MASKS[k - 1])
+                count += pending
+                pending = 0
+            else:
+                code = (code << k) | out
+            count += k
+        low = (low << k) & 0xFFFF
+        high = ((high << k) & 0xFFFF) | MASKS[k]
+        m = 15 - (~(low & ~high) & 0x7FFF).bit_length() if k < 16 else 0
+        if m:
+            low = (low << m) & 0x7FFF
+            high = 0x8000 | ((high << m) & 0x7FFF) | MASKS[m]
+            pending += m
+    pending += 1
+    if low < 0x4000:
+        code = (code << (pending + 1)) | ((1 << pending) - 1)
+    else:
+        code = (code << (pending + 1)) | (1 << pending)
+    return code, count + pending + 1
+
+
+def write_guarded(sink: BitSink, code: int, count: int, guard: int = 1) -> None:
+    """Write data bits with the start-code guards between them.
+
+    Rules: FBA-25. `guard` 0 makes bad guards, for negative vectors.
+    """
+    zeros = "0" * GUARD_AFTER
+    bits = format(code, f"0{count}b")
+    position = 0
+    while True:
+        run = bits.find(zeros, position)
+        if run < 0 or run + GUARD_AFTER >= count:
+            break
+        run += GUARD_AFTER
+        sink.write(int(bits[position:run], 2), run - position)
+        sink.write(guard, 1)
+        position = run
+    sink.write(int(bits[position:], 2), count - position)

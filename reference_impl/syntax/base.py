@@ -1,0 +1,138 @@
+"""The base of all machines that run the syntax functions.
+
+Rules: CNF-7, CNF-21, FBA-3.
+
+A syntax function calls these methods with the value that the record holds and stores what it gets back. The reader
+ignores the value and returns what the bits say; the writers write it and return it.
+"""
+
+from __future__ import annotations
+
+from ..bitstream.findings import Finding
+from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..entropy.model import Model
+from .element import DEFAULT_READINGS, STEPS, Element, Fault, Readings, Step
+
+# What stands at a plane boundary (FBA-3, 42, 44).
+PLANE = 0  # a plane begins at once
+STUFFED_CODE = 1  # stuffing, then a start code
+BARE_CODE = 2  # a start code without stuffing, directly behind another
+STUFFED_END = 3  # stuffing, then the end of the data
+END = 4  # the end of the data
+ZERO_PADDING = 5  # zero bits up to the end of the data
+
+
+class SyntaxIO:
+    """One syntax, many machines. Rules: CNF-7, CNF-21."""
+
+    def __init__(self, *, limits: Limits = DEFAULT_LIMITS, readings: Readings = DEFAULT_READINGS) -> None:
+        self.limits = limits
+        self.readings = readings
+        self.findings: list[Finding] = []
+        self._steps: list[int] = []
+        self._indices: list[int] = []
+        # Whether values come from bits (reader, tracer) or from records (writers).
+        self.reading = False
+        self.draft = False
+        self.strict = False
+
+    # -- elements ------------------------------------------------------------------------------------------------
+
+    def u(self, el: Element, n: int, v: int) -> int:
+        """An unsigned number of n bits (1..32). Rules: CNF-21."""
+        raise NotImplementedError
+
+    def s(self, el: Element, n: int, v: int) -> int:
+        """A two's complement number of n bits (1..32). Rules: CNF-21."""
+        w = self.u(el, n, v & ((1 << n) - 1))
+        return w - (1 << n) if w >> (n - 1) else w
+
+    def marker(self, el: Element) -> None:
+        """A bit that must be 1. Rules: CNF-7."""
+        self.u(el, 1, 1)
+
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+        """A whole arithmetic segment: a level per model. Rules: FBA-26, FBA-28. `labels`: what each symbol is."""
+        raise NotImplementedError
+
+    def raw(self, el: Element, count: int, v: bytes) -> bytes:
+        """`count` whole bytes from an aligned position. Rules: SYS-5."""
+        raise NotImplementedError
+
+    def rest(self, el: Element, v: bytes) -> bytes:
+        """All bytes up to the end of the data; a streaming reader passes over them and returns none. Rules: FBA-3."""
+        raise NotImplementedError
+
+    def zeros(self, el: Element, count: int) -> int:
+        """Zero bits up to the end of the data; the reader counts them. Rules: FBA-42."""
+        raise NotImplementedError
+
+    # -- what the writer is told and the reader finds out ---------------------------------------------------------
+
+    def boundary(self, v: int, after_object_code: bool) -> int:
+        """What stands at a plane boundary, one of PLANE .. ZERO_PADDING. Rules: FBA-3, FBA-42, FBA-44."""
+        raise NotImplementedError
+
+    def at_end(self, v: bool) -> bool:
+        """Whether the data ends here. Rules: FBA-1."""
+        raise NotImplementedError
+
+    def next_code(self, v: int) -> int:
+        """The coming 32 bits without taking them, where they are a start code; else -1. Rules: FBA-1, FBA-3."""
+        raise NotImplementedError
+
+    def bits_left(self, most: int) -> int:
+        """How many bits are left, at most `most` (up to 256). Rules: CNF-21. Readers only."""
+        raise NotImplementedError
+
+    def head(self, count: int) -> bytes:
+        """The coming bytes, fewer where the data ends, without taking them. Rules: CNF-21. Readers only."""
+        raise NotImplementedError
+
+    def bytes_to_prefix(self, v: int) -> int:
+        """Whole bytes up to the next start code prefix or the end of the data. Rules: SYS-5."""
+        raise NotImplementedError
+
+    def tell(self) -> int:
+        """The current bit position. Rules: CNF-21."""
+        raise NotImplementedError
+
+    def protect(self, start: int) -> bool:
+        """Whether the plane at bit `start` now has a start code before it, because its own bits would read as one.
+
+        Rules: FBA-41. Only writers do this.
+        """
+        return False
+
+    # -- relations -----------------------------------------------------------------------------------------------
+
+    def require(self, ok: bool, fault: Fault, value: int | str | None, start: int, end: int) -> None:
+        """A relation must hold over bits [start, end). Rules: CNF-7, CNF-21.
+
+        The reader raises, the writer refuses, the faulty writer passes.
+        """
+        raise NotImplementedError
+
+    def finding(self, id: str, message: str, start: int, end: int) -> None:
+        """Something accepted but wrong or odd. Rules: CNF-23. Only readers report."""
+
+    # -- the path ------------------------------------------------------------------------------------------------
+
+    def enter(self, step: Step, i: int) -> None:
+        """Go down one level of the path; i < 0: no index. Rules: CNF-21."""
+        self._steps.append(step.index)
+        self._indices.append(i)
+
+    def leave(self) -> None:
+        """Go up one level. Rules: CNF-21."""
+        self._steps.pop()
+        self._indices.pop()
+
+    def path(self, leaf: str = "") -> str:
+        """The path in words: `plane[0].fap.group[7]`. Rules: CNF-21."""
+        parts = [
+            STEPS[step].name + (f"[{i}]" if i >= 0 else "") for step, i in zip(self._steps, self._indices, strict=True)
+        ]
+        if leaf:
+            parts.append(leaf)
+        return ".".join(parts)

@@ -1,0 +1,180 @@
+"""The tracer: a reader that writes down every element, and decodes segments with the literal coder.
+
+Rules: CNF-17, CNF-21, FBA-21..27. Law: the spans of a trace partition the bits that were read.
+
+Rows are columns of machine numbers, not objects; names and paths are interned. A consumer takes the rows after each
+plane, so that memory does not grow with the stream.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from ..bitstream.cursor import BitCursor, OutOfBits
+from ..bitstream.findings import Finding
+from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..entropy.literal import SegmentTrace, decode_literally
+from ..entropy.model import Model
+from .element import DEFAULT_READINGS, ELEMENTS, STEPS, Element, Readings, Step
+from .reader import Reader
+
+ROOT: Final = -1
+
+
+class Trace:
+    """Rows of a trace.
+
+    Rules: CNF-17, CNF-21.
+
+    Columns, one entry per row: `element` (index into ELEMENTS), `start`, `end` (bits), `value` (as the element means
+    it: signed where it is), `path` (index into `paths`, -1: the root). `paths`: (parent, step, index) triples.
+    `segments`: row -> (symbol steps, labels) of an arithmetic segment; `blobs`: row -> bytes of a byte element.
+    """
+
+    __slots__ = ("blobs", "element", "end", "path", "paths", "segments", "start", "value")
+
+    def __init__(self) -> None:
+        self.element = array("H")
+        self.start = array("q")
+        self.end = array("q")
+        self.value = array("q")
+        self.path = array("i")
+        self.paths: list[tuple[int, int, int]] = []
+        self.segments: dict[int, tuple[SegmentTrace, list[str]]] = {}
+        self.blobs: dict[int, bytes] = {}
+
+    def __len__(self) -> int:
+        return len(self.element)
+
+    def el(self, row: int) -> Element:
+        """The element of a row. Rules: CNF-21."""
+        return ELEMENTS[self.element[row]]
+
+    def steps(self, path: int) -> list[tuple[str, int]]:
+        """A path as (name, index) pairs from the root; index -1 where there is none. Rules: CNF-21."""
+        out: list[tuple[str, int]] = []
+        while path != ROOT:
+            parent, step, index = self.paths[path]
+            out.append((STEPS[step].name, index))
+            path = parent
+        out.reverse()
+        return out
+
+    def path_text(self, row: int) -> str:
+        """`plane[0].fap.group[7]`. Rules: CNF-21."""
+        return ".".join(name + (f"[{i}]" if i >= 0 else "") for name, i in self.steps(self.path[row]))
+
+    def rows(self) -> Iterator[tuple[Element, int, int, int, str]]:
+        """(element, start, end, value, path) of every row. Rules: CNF-21."""
+        for row in range(len(self)):
+            yield self.el(row), self.start[row], self.end[row], self.value[row], self.path_text(row)
+
+
+class Tracer(Reader):
+    """A reader whose trace says what every bit was. Rules: CNF-17, CNF-21, FBA-21..27."""
+
+    def __init__(
+        self,
+        cursor: BitCursor,
+        *,
+        limits: Limits = DEFAULT_LIMITS,
+        readings: Readings = DEFAULT_READINGS,
+        draft: bool = False,
+        strict: bool = False,
+        on_finding: Callable[[Finding], None] | None = None,
+        collect: bool = False,
+    ) -> None:
+        super().__init__(
+            cursor,
+            limits=limits,
+            readings=readings,
+            draft=draft,
+            strict=strict,
+            on_finding=on_finding,
+            collect=collect,
+        )
+        self.trace = Trace()
+        self._here = ROOT
+        self._interned: dict[tuple[int, int, int], int] = {}
+
+    def take(self) -> Trace:
+        """The rows since the last take. Rules: CNF-21."""
+        done = self.trace
+        self.trace = Trace()
+        self._interned.clear()
+        self._here = ROOT
+        for step, index in zip(self._steps, self._indices, strict=True):
+            self._here = self._intern(self._here, step, index)
+        return done
+
+    def _intern(self, parent: int, step: int, index: int) -> int:
+        key = (parent, step, index)
+        path = self._interned.get(key, ROOT)
+        if path == ROOT:
+            path = len(self.trace.paths)
+            self.trace.paths.append(key)
+            self._interned[key] = path
+        return path
+
+    def enter(self, step: Step, i: int) -> None:
+        super().enter(step, i)
+        self._here = self._intern(self._here, step.index, i)
+
+    def leave(self) -> None:
+        super().leave()
+        self._here = self.trace.paths[self._here][0]
+
+    def _row(self, el: Element, start: int, end: int, value: int) -> None:
+        trace = self.trace
+        trace.element.append(el.index)
+        trace.start.append(start)
+        trace.end.append(end)
+        trace.value.append(value)
+        trace.path.append(self._here)
+
+    def u(self, el: Element, n: int, v: int) -> int:
+        value = super().u(el, n, v)
+        end = self.cursor.tell()
+        self._row(el, end - n, end, value)
+        return value
+
+    def s(self, el: Element, n: int, v: int) -> int:
+        value = super().s(el, n, v)
+        self.trace.value[-1] = value
+        return value
+
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+        start = self.cursor.tell()
+        try:
+            segment = decode_literally(self.cursor, models)
+        except OutOfBits:
+            raise self._truncated(el, start, "FBA-27") from None
+        for position, value in segment.guards:
+            if not value:
+                raise self._bad_guard(position)
+        self.trace.segments[len(self.trace)] = (segment, labels)
+        self._row(el, start, segment.end, len(models))
+        return [step.level for step in segment.steps]
+
+    def raw(self, el: Element, count: int, v: bytes) -> bytes:
+        start = self.cursor.tell()
+        data = super().raw(el, count, v)
+        self.trace.blobs[len(self.trace)] = data
+        self._row(el, start, self.cursor.tell(), count)
+        return data
+
+    def rest(self, el: Element, v: bytes) -> bytes:
+        start = self.cursor.tell()
+        data = super().rest(el, v)
+        end = self.cursor.tell()
+        self.trace.blobs[len(self.trace)] = data
+        self._row(el, start, end, (end - start) >> 3)
+        return data
+
+    def zeros(self, el: Element, count: int) -> int:
+        start = self.cursor.tell()
+        count = super().zeros(el, count)
+        self._row(el, start, start + count, 0)
+        return count

@@ -1,0 +1,142 @@
+"""The writer: runs the syntax functions over records and makes bits.
+
+Rules: FBA-3, FBA-25, FBA-26, FBA-41.
+"""
+
+from __future__ import annotations
+
+from ..bitstream.errors import EncodeError
+from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..bitstream.sink import BitSink
+from ..bitstream.startcodes import FBA_OBJECT_PLANE, PREFIX
+from ..entropy.kernel import encode_segment
+from ..entropy.model import Model
+from .base import END, PLANE, STUFFED_END, SyntaxIO
+from .element import DEFAULT_READINGS, Element, Fault, Readings
+
+
+class Writer(SyntaxIO):
+    """Writes what the records say, and refuses what the syntax cannot hold. Rules: FBA-3, FBA-41.
+
+    Raises EncodeError, with rule, element, path and value.
+    """
+
+    def __init__(
+        self,
+        sink: BitSink | None = None,
+        *,
+        limits: Limits = DEFAULT_LIMITS,
+        readings: Readings = DEFAULT_READINGS,
+    ) -> None:
+        super().__init__(limits=limits, readings=readings)
+        self.sink = sink if sink is not None else BitSink()
+        self._plane_start = -1
+        # Planes without a start code whose first bits could still be read as one, with what they would be read as.
+        self._suspects: list[tuple[int, int, int]] = []
+
+    # -- elements ------------------------------------------------------------------------------------------------
+
+    def u(self, el: Element, n: int, v: int) -> int:
+        if v < 0 or v >> n or (el.restricted and not el.allows(v)):
+            raise EncodeError(
+                el.domain_rule, el.name, value=v, allowed=el.allowed if el.restricted else f"0..{(1 << n) - 1}",
+                path=self.path(),
+            )  # fmt: skip
+        self.sink.write(v, n)
+        return v
+
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+        self._check_levels(el, models, labels, v)
+        encode_segment(self.sink, models, v)
+        return v
+
+    def _check_levels(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> None:
+        if len(v) != len(models):
+            raise EncodeError(
+                el.rule,
+                f"{el.name}: number of levels",
+                value=len(v),
+                allowed=f"{len(models)}",
+                path=self.path(),
+            )
+        for model, label, level in zip(models, labels, v, strict=True):
+            if not 0 <= level - model.lo < model.n:
+                raise EncodeError(
+                    el.rule, f"level of {label}", value=level, allowed=f"{model.lo}..{model.lo + model.n - 1}",
+                    path=self.path(),
+                )  # fmt: skip
+
+    def raw(self, el: Element, count: int, v: bytes) -> bytes:
+        for byte in v:
+            self.sink.write(byte, 8)
+        return v
+
+    def zeros(self, el: Element, count: int) -> int:
+        for _ in range(count):
+            self.sink.write(0, 1)
+        return count
+
+    # -- told, not found out -------------------------------------------------------------------------------------
+
+    def boundary(self, v: int, after_object_code: bool) -> int:
+        at = self.sink.tell()
+        if v in (END, STUFFED_END) and self._plane_start >= 0:
+            self._check_end(v, at)
+        if v == PLANE:
+            self._plane_start = at
+            width = 8 - (at & 7)
+            self._suspects.append((at, width + 24, (((1 << (width - 1)) - 1) << 24) | PREFIX))
+            if after_object_code:
+                self._suspects.append((at, 32, FBA_OBJECT_PLANE))
+        else:
+            self._plane_start = -1
+            self._suspects.clear()
+        return v
+
+    def _check_end(self, v: int, at: int) -> None:
+        if v == END and at & 7:
+            raise EncodeError("FBA-3", "end of the data", value=f"bit {at}", allowed="a byte boundary, or stuffing")
+        # The zero bits of a last plane without data, and a one-bit stuffing, would read as padding (FBA-42).
+        width = at - self._plane_start
+        if (v == END or at & 7 == 7) and not self.sink.bits_from(self._plane_start, width):
+            raise EncodeError("FBA-42", "last plane", value="zero bits only", allowed="an end code after it")
+
+    def protect(self, start: int) -> bool:
+        sink = self.sink
+        here = sink.tell()
+        # A start code can be emulated by one plane, or by a run of planes without data and what follows it; a code
+        # before the plane that completes it breaks both.
+        emulated = any(
+            here >= at + width and sink.bits_from(at, width) == pattern for at, width, pattern in self._suspects
+        )
+        self._suspects = [suspect for suspect in self._suspects if here < suspect[0] + suspect[1]]
+        if not emulated:
+            return False
+        width = 8 - (start & 7)
+        bits = sink.bits_from(start, here - start)
+        sink.cut(start)
+        sink.write((1 << (width - 1)) - 1, width)
+        sink.write(FBA_OBJECT_PLANE, 32)
+        sink.write(bits, here - start)
+        self._plane_start = -1
+        self._suspects.clear()
+        return True
+
+    def rest(self, el: Element, v: bytes) -> bytes:
+        return self.raw(el, len(v), v)
+
+    def at_end(self, v: bool) -> bool:
+        return v
+
+    def next_code(self, v: int) -> int:
+        return v
+
+    def bytes_to_prefix(self, v: int) -> int:
+        return v
+
+    def tell(self) -> int:
+        return self.sink.tell()
+
+    def require(self, ok: bool, fault: Fault, value: int | str | None, start: int, end: int) -> None:
+        if not ok:
+            raise EncodeError(fault.rule, fault.what, value=value, allowed=fault.allowed, path=self.path())

@@ -1,0 +1,249 @@
+"""Visual object sequences: the headers around a face object, and files that begin without them.
+
+Rules: SYS-1, SYS-2, SYS-3, SYS-4, SYS-5, SYS-6, SYS-7, SYS-8 (names of profiles), FBA-1, FBA-3, FBA-44.
+Not here: profile and level checks (SYS-9..12), MP4 and BIFS (SYS-13..62), mesh objects (`Unsupported`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, final
+
+from ..bitstream.errors import (
+    InconsistentSemantics,
+    InputFormat,
+    ReservedValue,
+    ResourceLimit,
+    TrailingData,
+    Unsupported,
+)
+from ..bitstream.startcodes import (
+    MESH_OBJECT,
+    USER_DATA,
+    VISUAL_OBJECT,
+    VISUAL_OBJECT_SEQUENCE,
+    VISUAL_OBJECT_SEQUENCE_END,
+)
+from ..face.records import FbaObject, FbaPlane
+from ..face.syntax import fba_object, is_fba_object
+from ..syntax.base import SyntaxIO
+from ..syntax.element import Element, Fault
+from ..tables import profile_level_codes, start_codes
+
+START_CODE: Final = Element("start_code", "SYS-1")
+SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2")
+SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1")
+PROFILE_AND_LEVEL: Final = Element("profile_and_level_indication", "SYS-2")
+USER_DATA_START_CODE: Final = Element("user_data_start_code", "SYS-5")
+USER_DATA_BYTES: Final = Element("user_data", "SYS-5")
+VISUAL_OBJECT_START_CODE: Final = Element("visual_object_start_code", "SYS-3")
+IS_VISUAL_OBJECT_IDENTIFIER: Final = Element("is_visual_object_identifier", "SYS-3")
+VISUAL_OBJECT_VERID: Final = Element("visual_object_verid", "SYS-3")
+VISUAL_OBJECT_PRIORITY: Final = Element("visual_object_priority", "SYS-3", lo=1, hi=7, fault=ReservedValue)
+VISUAL_OBJECT_TYPE: Final = Element(
+    "visual_object_type", "SYS-4", lo=1, hi=5, fault=ReservedValue,
+    meaning={1: "video", 2: "still texture", 3: "mesh", 4: "FBA", 5: "3D mesh"},
+)  # fmt: skip
+STUFFING: Final = Element("stuffing", "FBA-3", fault=InconsistentSemantics)
+TRAILING: Final = Element("trailing_data", "FBA-3")
+
+TYPE_MESH: Final = 3
+TYPE_FBA: Final = 4
+
+_NOT_OURS: Final = Fault(
+    InputFormat, "FBA-1", "start code", "a file that begins with a start code 000001B0, 000001B5, 000001BA or 000001BC"
+)
+_NOT_BUILT_TYPE: Final = Fault(Unsupported, "SYS-4", "visual_object_type", "4 (FBA); 3 (mesh) is not built")
+_NOT_BUILT: Final = Fault(
+    Unsupported, "SYS-4", "start code", "an FBA object, 000001BA (files of the drafts: --compat draft)"
+)
+_NO_OBJECT: Final = Fault(InconsistentSemantics, "FBA-1", "start code", "an object before it")
+_WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the object that visual_object_type names")
+_TRAILING: Final = Fault(TrailingData, "FBA-3", "data behind the end", "nothing, or another sequence or object")
+_USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
+
+
+@final
+class VisualObjectHeader:
+    """`visual_object()` up to the object. Rules: SYS-3, SYS-4."""
+
+    __slots__ = ("identifier", "priority", "type", "verid")
+
+    def __init__(self) -> None:
+        self.identifier = 0
+        self.verid = 1
+        self.priority = 1
+        self.type = TYPE_FBA
+
+
+@final
+class StreamItem:
+    """One thing of a visual stream: what `code` says.
+
+    Rules: SYS-1, SYS-2, SYS-3, SYS-5, FBA-1.
+
+    `code`: 0x1B0 sequence (`profile`), 0x1B1 its end, 0x1B2 `user_data`, 0x1B5 `header`, an FBA object's code
+    (`fba`), 0 bytes behind the end (`trailing`). `start`, `end`: its bits; of an object only the start is known
+    before its planes have been read.
+    """
+
+    __slots__ = ("code", "end", "fba", "header", "profile", "start", "trailing", "user_data")
+
+    def __init__(self, code: int = 0) -> None:
+        self.code = code
+        self.profile = 0
+        self.user_data = b""
+        self.header: VisualObjectHeader | None = None
+        self.fba: FbaObject | None = None
+        self.trailing = b""
+        self.start = 0
+        self.end = 0
+
+
+def profile_name(code: int) -> str:
+    """`Simple Face Animation L1`, or "" for an unknown code. Rules: SYS-8."""
+    for row in profile_level_codes():
+        if row.code == code:
+            return f"{row.profile} L{row.level}"
+    return {0xFE: "none of these", 0xFF: "none needed"}.get(code, "")
+
+
+def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[StreamItem, FbaPlane | None]]:
+    """A whole stream: (item, None) for each item once its header is known, (item, plane) for each plane.
+
+    An object's item comes twice: before its planes (`end` still 0) and behind them.
+
+    Rules: SYS-1..7, FBA-1, FBA-3, FBA-44. `items`: for a reader, fresh items without end; for a writer, the items to
+    write.
+    """
+    first = True
+    in_sequence = False
+    expected = 0  # visual_object_type that the next object must have; 0: any
+    while True:
+        item = next(items, None)
+        if io.at_end(item is None):
+            break
+        assert item is not None
+        item.start = io.tell()
+        item.code = io.next_code(item.code)
+        code = item.code
+        if code == VISUAL_OBJECT_SEQUENCE:
+            in_sequence = True
+            _sequence_header(io, item)
+            yield item, None
+        elif code == VISUAL_OBJECT_SEQUENCE_END and not first:
+            io.u(SEQUENCE_END_CODE, 32, code)
+            item.end = io.tell()
+            in_sequence = False
+            expected = 0
+            yield item, None
+        elif code == USER_DATA and (in_sequence or expected):
+            _user_data(io, item)
+            yield item, None
+        elif code == VISUAL_OBJECT:
+            _bare(io, in_sequence, item.start)
+            expected = _visual_object(io, item)
+            yield item, None
+        elif is_fba_object(io, code):
+            if not expected:
+                _bare(io, in_sequence, item.start)
+            io.require(expected in (0, TYPE_FBA), _WRONG_OBJECT, f"{code:08x}", item.start, item.start + 32)
+            if item.fba is None:
+                item.fba = FbaObject()
+            item.fba.start_code = code
+            yield item, None
+            planes = iter(item.fba.planes) if not io.reading else _fresh_planes()
+            for plane in fba_object(io, item.fba, planes):
+                yield item, plane
+            item.end = io.tell()
+            expected = 0
+            yield item, None
+        elif expected:
+            io.require(False, _WRONG_OBJECT, f"{code:08x}" if code > 0 else None, item.start, item.start + 32)
+        elif first:
+            _refuse(io, code, item.start)
+        else:
+            _trailing(io, item)
+            yield item, None
+        first = False
+
+
+def _fresh_planes() -> Iterator[FbaPlane]:
+    while True:
+        yield FbaPlane()
+
+
+def fresh_items() -> Iterator[StreamItem]:
+    """What a reader passes to `visual_stream`. Rules: SYS-1."""
+    while True:
+        yield StreamItem()
+
+
+def _refuse(io: SyntaxIO, code: int, start: int) -> None:
+    bits = io.bits_left(32)
+    if code < 0:
+        head = io.head(4)
+        io.require(False, _NOT_OURS, head.hex() if head else None, start, start + bits)
+    known = any(row.value <= code <= row.last for row in start_codes())
+    if code in (VISUAL_OBJECT_SEQUENCE_END, USER_DATA, 0x000001BB, 0x000001BD):
+        io.require(False, _NO_OBJECT, f"{code:08x}", start, start + 32)
+    io.require(False, _NOT_BUILT if known or code == MESH_OBJECT else _NOT_OURS, f"{code:08x}", start, start + 32)
+
+
+def _bare(io: SyntaxIO, in_sequence: bool, start: int) -> None:
+    if not in_sequence and start == 0:
+        io.finding("no-sequence-header", "the stream begins without visual_object_sequence", start, start + 32)
+
+
+def _sequence_header(io: SyntaxIO, item: StreamItem) -> None:
+    io.u(SEQUENCE_START_CODE, 32, item.code)
+    start = io.tell()
+    item.profile = io.u(PROFILE_AND_LEVEL, 8, item.profile)
+    item.end = io.tell()
+    if not profile_name(item.profile):
+        io.finding("profile-unknown", f"profile_and_level_indication 0x{item.profile:02X}", start, io.tell())
+
+
+def _user_data(io: SyntaxIO, item: StreamItem) -> None:
+    io.u(USER_DATA_START_CODE, 32, item.code)
+    count = io.bytes_to_prefix(len(item.user_data))
+    if count > io.limits.user_data_bytes:
+        fault = Fault(
+            _USER_DATA_LIMIT.error, _USER_DATA_LIMIT.rule, _USER_DATA_LIMIT.what,
+            f"at most {io.limits.user_data_bytes} bytes",
+        )  # fmt: skip
+        io.require(False, fault, count, item.start, io.tell() + 8 * count)
+    item.user_data = io.raw(USER_DATA_BYTES, count, item.user_data)
+    item.end = io.tell()
+
+
+def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
+    header = item.header
+    if header is None:
+        header = VisualObjectHeader()
+        item.header = header
+    io.u(VISUAL_OBJECT_START_CODE, 32, item.code)
+    header.identifier = io.u(IS_VISUAL_OBJECT_IDENTIFIER, 1, header.identifier)
+    if header.identifier:
+        header.verid = io.u(VISUAL_OBJECT_VERID, 4, header.verid)
+        header.priority = io.u(VISUAL_OBJECT_PRIORITY, 3, header.priority)
+    start = io.tell()
+    header.type = io.u(VISUAL_OBJECT_TYPE, 4, header.type)
+    io.require(header.type == TYPE_FBA, _NOT_BUILT_TYPE, header.type, start, io.tell())
+    width = 8 - (io.tell() & 7)
+    stuffing = (1 << (width - 1)) - 1
+    start = io.tell()
+    read = io.u(STUFFING, width, stuffing)
+    wrong = Fault(InconsistentSemantics, "FBA-3", "stuffing", f"{stuffing:0{width}b}")
+    io.require(read == stuffing, wrong, f"{read:0{width}b}", start, io.tell())
+    item.end = io.tell()
+    return header.type
+
+
+def _trailing(io: SyntaxIO, item: StreamItem) -> None:
+    item.code = 0
+    start = io.tell()
+    item.trailing = io.rest(TRAILING, item.trailing)
+    item.end = io.tell()
+    io.require(not io.strict, _TRAILING, f"{(item.end - start) >> 3} bytes", start, item.end)
+    io.finding("trailing-data", f"{(item.end - start) >> 3} bytes behind the end", start, item.end)
