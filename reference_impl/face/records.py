@@ -20,7 +20,7 @@ class ParameterData:
 
     Intra planes only: `quant`, `mask_type` and `group_mask` per group (the mask as the number that was sent: first
     bit = most significant), `gender`, `coding_type`, `new` (the four flags i_max, i_min, p_max, p_min) and `limits`
-    (per list, by parameter number, the 5-bit v; only selected parameters count).
+    (per list, by parameter number, the 5-bit v; only selected parameters count; empty where no list was sent).
     Every plane: `levels` (of the selected parameters in coding order; FAPs: 3..68), and for FAP 1 `viseme` (3 levels)
     and `viseme_def`, for FAP 2 `expression` (4 levels), `init_face`, `expression_def`.
     """
@@ -30,14 +30,14 @@ class ParameterData:
         "mask_type", "new", "quant", "viseme", "viseme_def",
     )  # fmt: skip
 
-    def __init__(self, groups: int, count: int) -> None:
+    def __init__(self, groups: int) -> None:
         self.quant = 0
         self.mask_type = [0] * groups
         self.group_mask = [0] * groups
         self.gender = 0
         self.coding_type = 0
         self.new = [0, 0, 0, 0]
-        self.limits: list[list[int]] = [[0] * (count + 1) for _ in range(4)]
+        self.limits: list[list[int]] = []
         self.levels: list[int] = []
         self.viseme: list[int] = [0, 0, 0]
         self.viseme_def = 0

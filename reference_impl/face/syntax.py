@@ -44,6 +44,9 @@ VISEME_DEF: Final = Element("viseme_def", "FBA-28")
 INIT_FACE: Final = Element("init_face", "FBA-28")
 EXPRESSION_DEF: Final = Element("expression_def", "FBA-28")
 
+FAP_GROUPS: Final = 10
+BAP_GROUPS: Final = 24
+
 AT_PLANE: Final = Step("plane")
 AT_FAP: Final = Step("fap")
 AT_BAP: Final = Step("bap")
@@ -79,13 +82,17 @@ def new_plane(mask: int, is_intra: int = 0) -> FbaPlane:
 
 
 def new_fap_data() -> ParameterData:
-    """An empty FAP data record. Rules: FBA-9..13."""
-    return ParameterData(10, fap_set().count)
+    """An empty FAP data record, with range lists to fill in. Rules: FBA-9..13, FBA-16."""
+    data = ParameterData(FAP_GROUPS)
+    data.limits = [[0] * (fap_set().count + 1) for _ in range(4)]
+    return data
 
 
 def new_bap_data() -> ParameterData:
-    """An empty BAP data record. Rules: FBA-40."""
-    return ParameterData(24, bap_set().count)
+    """An empty BAP data record, with range lists to fill in. Rules: FBA-40."""
+    data = ParameterData(BAP_GROUPS)
+    data.limits = [[0] * (bap_set().count + 1) for _ in range(4)]
+    return data
 
 
 def fba_object(io: SyntaxIO, obj: FbaObject, planes: Iterator[FbaPlane]) -> Iterator[FbaPlane]:
@@ -185,7 +192,7 @@ def fba_object_plane(io: SyntaxIO, state: FaceState, plane: FbaPlane) -> None:
     if mask & 1:
         data = plane.faps
         if data is None:
-            data = new_fap_data()
+            data = ParameterData(FAP_GROUPS)
             plane.faps = data
         io.enter(AT_FAP, -1)
         if plane.is_intra:
@@ -195,7 +202,7 @@ def fba_object_plane(io: SyntaxIO, state: FaceState, plane: FbaPlane) -> None:
     if mask & 2:
         data = plane.baps
         if data is None:
-            data = new_bap_data()
+            data = ParameterData(BAP_GROUPS)
             plane.baps = data
         io.enter(AT_BAP, -1)
         bap_data(io, state.baps, data, plane.is_intra)
@@ -238,6 +245,8 @@ def new_minmax(io: SyntaxIO, state: ParameterState, data: ParameterData) -> None
         data.new[which] = io.u(flag, 1, data.new[which])
     if not any(data.new):
         return
+    if not data.limits:
+        data.limits = [[0] * (parameters.count + 1) for _ in range(4)]
     selected = set(state.selected)
     for which, element in enumerate(parameters.limit_elements):
         if not data.new[which]:

@@ -1,0 +1,1 @@
+"""Neutral readers that several rooms share: JSON documents and the VRML/BT text form."""

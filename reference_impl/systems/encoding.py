@@ -1,0 +1,87 @@
+"""From text files to whole streams.
+
+Rules: FBA-1, FBA-43, FBA-52, FBA-54, SYS-2, SYS-3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from ..bitstream.findings import Finding
+from ..bitstream.startcodes import (
+    FBA_OBJECT,
+    VISUAL_OBJECT,
+    VISUAL_OBJECT_SEQUENCE,
+    VISUAL_OBJECT_SEQUENCE_END,
+)
+from ..face.bap_text import BapFile
+from ..face.encode import Encoder, EncoderOptions
+from ..face.epf_text import EncoderParameters
+from ..face.fap_text import FapFile
+from ..face.records import FbaObject, FbaPlane
+from ..face.requests import PlaneRequest, requests_of, requests_with
+from ..syntax.base import STUFFED_CODE, STUFFED_END
+from .visual import StreamItem, VisualObjectHeader
+
+
+def stream_of(planes: Iterable[FbaPlane], *, profile: int | None = None, end_code: bool = True) -> list[StreamItem]:
+    """Planes as a stream.
+
+    Rules: FBA-1, SYS-2, SYS-3. `profile`: profile_and_level_indication of a sequence header, None for none.
+    """
+    items: list[StreamItem] = []
+    if profile is not None:
+        sequence = StreamItem(VISUAL_OBJECT_SEQUENCE)
+        sequence.profile = profile
+        header = StreamItem(VISUAL_OBJECT)
+        header.header = VisualObjectHeader()
+        items += [sequence, header]
+    face = StreamItem(FBA_OBJECT)
+    face.fba = FbaObject()
+    face.fba.planes = list(planes)
+    face.fba.end = STUFFED_CODE if end_code else STUFFED_END
+    items.append(face)
+    if end_code:
+        items.append(StreamItem(VISUAL_OBJECT_SEQUENCE_END))
+    return items
+
+
+def encode_fap(
+    faps: FapFile,
+    options: EncoderOptions | None = None,
+    *,
+    epf: EncoderParameters | None = None,
+    baps: BapFile | None = None,
+    quant: int = 1,
+    bap_quant: int = 1,
+    gender: int = 0,
+    partial_type: int = 1,
+    profile: int | None = None,
+    end_code: bool = True,
+    on_finding: Callable[[Finding], None] | None = None,
+    on_progress: Callable[[int], None] | None = None,
+) -> list[StreamItem]:
+    """A `.fap` file as a stream of arithmetic-coded planes.
+
+    Rules: FBA-43, FBA-52, FBA-54. `quant`, `bap_quant`: 0..31. `gender`: 1 male. `partial_type`: mask type (1 or 2)
+    of groups of which only some FAPs are coded. `epf`: parameters per frame, which override these. `on_progress` is
+    called with the number of planes so far.
+    """
+    requests: Iterator[PlaneRequest]
+    if epf is not None:
+        requests = requests_with(epf, faps, baps, quant=quant)
+    else:
+        requests = requests_of(
+            faps, quant=quant, gender=gender, partial_type=partial_type, baps=baps, bap_quant=bap_quant
+        )
+    encoder = Encoder(options, on_finding)
+    planes = encoder.encode(requests)
+    if on_progress is not None:
+        planes = _counted(planes, on_progress)
+    return stream_of(planes, profile=profile, end_code=end_code)
+
+
+def _counted(planes: Iterator[FbaPlane], on_progress: Callable[[int], None]) -> Iterator[FbaPlane]:
+    for count, plane in enumerate(planes, 1):
+        on_progress(count)
+        yield plane
