@@ -120,6 +120,19 @@ class BitCursor:
         word = int.from_bytes(self.window[first : first + 7].ljust(7, b"\0"), "big")
         return (word >> (56 - (bit & 7) - n)) & MASKS[n]
 
+    def look(self, n: int) -> int:
+        """As `peek`, for n up to 32, loading the bits so that taking them is cheap. Rules: FBA-27."""
+        left = self.left
+        if left < n:
+            if self.next + 4 > self.limit:
+                return self.peek(n)
+            i = self.next
+            self.acc = ((self.acc & MASKS[left]) << 32) | int.from_bytes(self.window[i : i + 4], "big")
+            self.next = i + 4
+            left += 32
+            self.left = left
+        return (self.acc >> (left - n)) & MASKS[n]
+
     def has(self, n: int) -> bool:
         """Whether at least n bits (0..256) are left. Rules: CNF-21."""
         self.ensure((n >> 3) + 2)

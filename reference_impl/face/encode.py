@@ -269,7 +269,7 @@ class Encoder:
     def _intra_plane(self, request: PlaneRequest) -> FbaPlane:
         plane = self._new_plane(request, 1)
         if request.face is not None and plane.faps is not None:
-            _take_header(plane.faps, request.face)
+            take_header(plane.faps, request.face)
             self._state.select_faps(plane.faps)
             self._state.faps.set_steps()
             self._face.request = request.face
@@ -277,7 +277,7 @@ class Encoder:
             self._high_level(request, request.face, plane.faps, True)
             self._levels(request, self._face, request.face, plane.faps, True)
         if request.body is not None and plane.baps is not None:
-            _take_header(plane.baps, request.body)
+            take_header(plane.baps, request.body)
             self._state.baps.select(plane.baps, DEFAULT_READINGS)
             self._state.baps.set_steps()
             body = self._parts(request)[1][0]
@@ -351,7 +351,8 @@ class Encoder:
         self._period = []
 
 
-def _take_header(data: ParameterData, request: PartRequest) -> None:
+def take_header(data: ParameterData, request: PartRequest) -> None:
+    """Quantiser, masks, gender and coding type of an intra plane. Rules: FBA-9..12."""
     data.quant = request.quant
     data.mask_type = list(request.mask_types)
     data.group_mask = list(request.masks)

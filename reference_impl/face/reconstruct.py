@@ -1,10 +1,17 @@
 """The decoder's second half: levels become values, planes become frames.
 
-Rules: FBA-31, FBA-32, FBA-33, FBA-34, FBA-40, CNF-1. The encoder closes its loop with the same function.
+Rules: FBA-31, FBA-32, FBA-33, FBA-34, FBA-40, DCT-3, DCT-5..7, DCT-11, DCT-13, DCT-14, CNF-1. The encoder
+closes its loop with the same function.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
+
+from ..tables import fap_dct_scale
+from .dct_syntax import SegmentData
+from .dct_transform import DctReading, ac_step, reconstruct_values
 from .frames import FaceFrame
 from .parameters import I_MAX, I_MIN, high_level_quantised
 from .records import FbaPlane, ParameterData
@@ -18,18 +25,30 @@ def reconstruct(state: FaceState, plane: FbaPlane) -> list[FaceFrame]:
     """
     header = plane.header
     time = state.clock.tick(header, state.readings.skipped_frames == "before")
-    letters = state.letters_without
-    fap_quant = gender = coding_type = None
-    if plane.faps is not None:
-        letters = state.letters_with_data
-        fap_values(state, plane.faps, plane.is_intra)
-        if plane.is_intra:
-            fap_quant, gender, coding_type = plane.faps.quant, plane.faps.gender, plane.faps.coding_type
     baps = None
     if plane.baps is not None:
         parameter_values(state.baps, plane.baps, plane.is_intra, False)
         values = state.baps.values
         baps = {number: values[number] for number in state.baps.selected}
+    data = plane.faps
+    if data is None:
+        return [_frame(state, plane, time, state.letters_without, baps)]
+    if data.segment is None:
+        fap_values(state, data, plane.is_intra)
+        return [_frame(state, plane, time, state.letters_with_data, baps)]
+    frames = []
+    for t in segment_values(state, data.segment, plane.is_intra):
+        frames.append(
+            _frame(state, plane, state.clock.after(time, t), state.letters_with_data, baps if t == 0 else None)
+        )
+    state.clock.span(len(frames) - 1)
+    return frames
+
+
+def _frame(
+    state: FaceState, plane: FbaPlane, time: tuple[int, int], letters: str, baps: dict[int, int] | None
+) -> FaceFrame:
+    header = plane.faps if plane.is_intra else None
     frame = FaceFrame(
         state.index,
         time,
@@ -38,13 +57,60 @@ def reconstruct(state: FaceState, plane: FbaPlane) -> list[FaceFrame]:
         shown_viseme(state, letters),
         shown_expression(state, letters),
         letters,
-        fap_quant,
-        gender,
-        coding_type,
+        None if header is None else header.quant,
+        None if header is None else header.gender,
+        None if header is None else header.coding_type,
         baps,
     )
     state.index += 1
-    return [frame]
+    return frame
+
+
+def segment_values(state: FaceState, segment: SegmentData, is_intra: int) -> Iterator[int]:
+    """Take the instants of a DCT segment into the values, one after the other; yields their numbers 0..15.
+
+    Rules: DCT-3, DCT-5, DCT-6, DCT-7, DCT-9, DCT-10, DCT-11, DCT-13.
+    """
+    readings = state.readings
+    reading = dct_reading(readings.dc_step_ratio, readings.normalisation)
+    faps = state.faps
+    series: list[tuple[int, ...]] = []
+    for fap, run in zip(faps.selected, segment.runs, strict=True):
+        coefficients = run.coefficients()
+        if not is_intra:
+            coefficients[0] += state.dct_dc[fap]
+        state.dct_dc[fap] = coefficients[0]
+        series.append(reconstruct_values(coefficients, ac_step(fap, faps.quant), reading))
+    scale = fap_dct_scale()[faps.quant] if readings.dct_intensity == "scaled" else 1
+    for t in range(16):
+        if state.has_viseme:
+            select1, select2, blend = segment.viseme[t]
+            state.viseme = [select1, select2, blend * scale, segment.viseme_def[t]]
+        if state.has_expression:
+            select1, select2, intensity1, intensity2 = segment.expression[t]
+            state.expression = [
+                select1,
+                intensity1 * scale,
+                select2,
+                intensity2 * scale,
+                segment.init_face[t],
+                segment.expression_def[t],
+            ]
+        for fap, values in zip(faps.selected, series, strict=True):
+            faps.values[fap] = values[t]
+        yield t
+    if state.has_viseme:
+        state.dct_viseme = segment.viseme[-1]
+    if state.has_expression:
+        state.dct_expression = segment.expression[-1]
+
+
+@cache
+def dct_reading(dc_step_ratio: int, normalisation: str) -> DctReading:
+    """The transform's readings of AMB-DCT-1 and AMB-DCT-2. Rules: DCT-5, DCT-7."""
+    if normalisation == "orthonormal":
+        return DctReading(dc_step_ratio, "orthonormal")
+    return DctReading(dc_step_ratio, "unnormalised")
 
 
 def shown_values(state: FaceState) -> tuple[int | None, ...]:

@@ -9,6 +9,7 @@ from typing import final
 
 from ..syntax.base import PLANE, STUFFED_CODE
 from ..syntax.temporal import TemporalHeader
+from .dct_syntax import SegmentData
 from .frames import FaceFrame
 
 
@@ -22,12 +23,13 @@ class ParameterData:
     bit = most significant), `gender`, `coding_type`, `new` (the four flags i_max, i_min, p_max, p_min) and `limits`
     (per list, by parameter number, the 5-bit v; only selected parameters count; empty where no list was sent).
     Every plane: `levels` (of the selected parameters in coding order; FAPs: 3..68), and for FAP 1 `viseme` (3 levels)
-    and `viseme_def`, for FAP 2 `expression` (4 levels), `init_face`, `expression_def`.
+    and `viseme_def`, for FAP 2 `expression` (4 levels), `init_face`, `expression_def`. With coding type 1 `segment`
+    instead.
     """
 
     __slots__ = (
         "coding_type", "expression", "expression_def", "gender", "group_mask", "init_face", "levels", "limits",
-        "mask_type", "new", "quant", "viseme", "viseme_def",
+        "mask_type", "new", "quant", "segment", "viseme", "viseme_def",
     )  # fmt: skip
 
     def __init__(self, groups: int) -> None:
@@ -44,6 +46,7 @@ class ParameterData:
         self.expression: list[int] = [0, 0, 0, 0]
         self.init_face = 0
         self.expression_def = 0
+        self.segment: SegmentData | None = None
 
 
 @final

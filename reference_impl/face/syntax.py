@@ -19,6 +19,7 @@ from ..bitstream.startcodes import DRAFT_OBJECT, DRAFT_PLANE, FBA_OBJECT, FBA_OB
 from ..syntax.base import BARE_CODE, END, PLANE, STUFFED_CODE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from ..syntax.element import Element, Fault, Step
 from ..syntax.temporal import temporal_header
+from .dct_syntax import SegmentData, dct_segment
 from .parameters import EXPRESSION_LABELS, LARGEST_SELECT, VISEME_LABELS, bap_set, fap_set
 from .reconstruct import high_level_values, reconstruct
 from .records import FbaObject, FbaPlane, ParameterData
@@ -44,6 +45,8 @@ VISEME_DEF: Final = Element("viseme_def", "FBA-28")
 INIT_FACE: Final = Element("init_face", "FBA-28")
 EXPRESSION_DEF: Final = Element("expression_def", "FBA-28")
 
+ARITHMETIC: Final = 0
+DCT: Final = 1
 FAP_GROUPS: Final = 10
 BAP_GROUPS: Final = 24
 
@@ -64,7 +67,6 @@ _IDLE: Final = Fault(ResourceLimit, "FBA-42", "consecutive planes without data",
 _NO_LIMITS: Final = Fault(
     Unsupported, "FBA-40", "ranges of BAPs without default limits", "all four range lists with the intra plane"
 )
-_DCT: Final = Fault(Unsupported, "FBA-12", "fba_object_coding_type", "0 (the DCT mode is not built)")
 _BAP_DCT: Final = Fault(Unsupported, "FBA-40", "bap_object_coding_type", "0 (the DCT mode of bodies is not built)")
 _BARE: Final = Fault(ForbiddenValue, "FBA-3", "fba_object_plane_start_code", "stuffing before it (AMB-FBA-8)")
 
@@ -131,6 +133,12 @@ def fba_object(io: SyntaxIO, obj: FbaObject, planes: Iterator[FbaPlane]) -> Iter
         plane.start = io.tell()
         fba_object_plane(io, state, plane)
         plane.end = io.tell()
+        if io.protect(plane.start):
+            plane.boundary = STUFFED_CODE
+            plane.start_code = FBA_OBJECT_PLANE
+            moved = io.tell() - plane.end
+            plane.start += moved
+            plane.end += moved
         if plane.fba_object_mask:
             idle = 0
         else:
@@ -138,9 +146,6 @@ def fba_object(io: SyntaxIO, obj: FbaObject, planes: Iterator[FbaPlane]) -> Iter
             if idle > io.limits.idle_planes:
                 fault = Fault(_IDLE.error, _IDLE.rule, _IDLE.what, f"at most {io.limits.idle_planes}")
                 io.require(False, fault, idle, plane.start, plane.end)
-        if io.protect(plane.start):
-            plane.boundary = STUFFED_CODE
-            plane.start_code = FBA_OBJECT_PLANE
         plane.frames = reconstruct(state, plane)
         if state.clock.went_back:
             io.finding("time-code-back", "the time code is earlier than the plane before", plane.start, plane.end)
@@ -215,13 +220,12 @@ def fap_data_header(io: SyntaxIO, state: FaceState, data: ParameterData) -> None
     data.quant = io.u(faps.parameters.quant, 5, data.quant)
     group_masks(io, faps, data)
     data.gender = io.u(FBA_SUGGESTED_GENDER, 1, data.gender)
-    start = io.tell()
     data.coding_type = io.u(FBA_OBJECT_CODING_TYPE, 1, data.coding_type)
-    io.require(data.coding_type == 0, _DCT, data.coding_type, start, start + 1)
     state.select_faps(data)
-    new_minmax(io, faps, data)
-    faps.set_ranges(data, io.readings)
-    state.set_high_level_models()
+    if data.coding_type == ARITHMETIC:
+        new_minmax(io, faps, data)
+        faps.set_ranges(data, io.readings)
+        state.set_high_level_models()
     faps.has_intra = True
 
 
@@ -264,7 +268,22 @@ def new_minmax(io: SyntaxIO, state: ParameterState, data: ParameterData) -> None
 
 
 def fap_levels(io: SyntaxIO, state: FaceState, data: ParameterData, is_intra: int) -> None:
-    """`ifap()` and `pfap()`: up to three segments. Rules: FBA-28, FBA-30, FBA-32."""
+    """`ifap()` and `pfap()`: up to three arithmetic segments, or one DCT segment.
+
+    Rules: FBA-12, FBA-15, FBA-28, FBA-30, FBA-32, DCT-1.
+    """
+    if state.faps.coding_type != ARITHMETIC:
+        if data.segment is None:
+            data.segment = SegmentData()
+        dct_segment(
+            io,
+            data.segment,
+            is_intra,
+            state.faps.selected,
+            state.dct_viseme if state.has_viseme else None,
+            state.dct_expression if state.has_expression else None,
+        )
+        return
     high = state.high_i_models if is_intra else state.high_p_models
     if state.has_viseme:
         start = io.tell()

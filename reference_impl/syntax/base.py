@@ -11,6 +11,8 @@ from __future__ import annotations
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..entropy.model import Model
+from ..entropy.prefix import PrefixTable
+from ..entropy.profile import EntropyProfile, load_profile
 from .element import DEFAULT_READINGS, STEPS, Element, Fault, Readings, Step
 
 # What stands at a plane boundary (FBA-3, 42, 44).
@@ -25,7 +27,14 @@ ZERO_PADDING = 5  # zero bits up to the end of the data
 class SyntaxIO:
     """One syntax, many machines. Rules: CNF-7, CNF-21."""
 
-    def __init__(self, *, limits: Limits = DEFAULT_LIMITS, readings: Readings = DEFAULT_READINGS) -> None:
+    def __init__(
+        self,
+        *,
+        limits: Limits = DEFAULT_LIMITS,
+        readings: Readings = DEFAULT_READINGS,
+        profile: EntropyProfile | None = None,
+    ) -> None:
+        self._profile = profile
         self.limits = limits
         self.readings = readings
         self.findings: list[Finding] = []
@@ -35,6 +44,13 @@ class SyntaxIO:
         self.reading = False
         self.draft = False
         self.strict = False
+
+    @property
+    def profile(self) -> EntropyProfile:
+        """The entropy profile of DCT segments; the shipped one where none was given. Rules: DCT-1."""
+        if self._profile is None:
+            self._profile = load_profile()
+        return self._profile
 
     # -- elements ------------------------------------------------------------------------------------------------
 
@@ -50,6 +66,10 @@ class SyntaxIO:
     def marker(self, el: Element) -> None:
         """A bit that must be 1. Rules: CNF-7."""
         self.u(el, 1, 1)
+
+    def vlc(self, el: Element, table: PrefixTable, v: int) -> int:
+        """A symbol of a prefix code. Rules: DCT-1, MSH-5, CNF-26."""
+        raise NotImplementedError
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
         """A whole arithmetic segment: a level per model. Rules: FBA-26, FBA-28. `labels`: what each symbol is."""

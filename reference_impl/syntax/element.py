@@ -130,8 +130,9 @@ class Readings:
     """
 
     __slots__ = (
-        "bap_base_step", "chosen", "clipping", "default_range_47", "empty_plane_header", "limits_after_quant",
-        "mask_order", "skipped_frames", "trailing_zeros", "unstuffed_plane",
+        "bap_base_step", "chosen", "clipping", "dc_step_ratio", "dct_intensity", "default_range_47",
+        "empty_plane_header", "end_after_last", "expression_order", "limits_after_quant", "mask_order",
+        "normalisation", "skipped_frames", "trailing_zeros", "unstuffed_plane",
     )  # fmt: skip
 
     def __init__(self, chosen: dict[str, str] | None = None) -> None:
@@ -146,6 +147,11 @@ class Readings:
         self.empty_plane_header = get("AMB-FBA-7", "header")
         self.unstuffed_plane = get("AMB-FBA-8", "accept")
         self.trailing_zeros = get("AMB-FBA-9", "padding")
+        self.dc_step_ratio = int(get("AMB-DCT-1", "3"))
+        self.normalisation = get("AMB-DCT-2", "orthonormal")
+        self.dct_intensity = get("AMB-DCT-3", "unscaled")
+        self.end_after_last = get("AMB-DCT-4", "none")
+        self.expression_order = get("AMB-DCT-5", "segments")
 
 
 DEFAULT_READINGS: Final = Readings()

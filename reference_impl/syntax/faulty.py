@@ -15,6 +15,8 @@ from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.sink import BitSink
 from ..entropy.kernel import GUARD_AFTER, segment_code, write_guarded
 from ..entropy.model import Model
+from ..entropy.prefix import PrefixTable
+from ..entropy.profile import EntropyProfile
 from .element import DEFAULT_READINGS, Element, Fault, Readings
 from .writer import Writer
 
@@ -28,7 +30,8 @@ class Mutation:
     `element`: the element's name; `path`: a prefix of the path it must stand under (`plane[2]`), "" for any;
     `occurrence`: which of the matching ones, from 0. `mode`: `wire` or `value` (the new number is `to`), `guard` (the
     guards of this segment become 0), `tail` (the last two bits of this segment are inverted), `cut` (the data ends
-    `to` bits after the element's first bit), `flip` (bit `to` of the element is inverted, wire only).
+    `to` bits after the element's first bit), `flip` (bit `to` of the element is inverted, wire only), `word` (a code
+    word is replaced by the `width` bits `to`).
     `spans`: filled in by the writer: the half-open spans of what was changed.
     """
 
@@ -37,6 +40,7 @@ class Mutation:
     to: int = 0
     path: str = ""
     occurrence: int = 0
+    width: int = 0
     spans: list[tuple[int, int]] = field(default_factory=list)
     seen: int = 0
 
@@ -55,8 +59,9 @@ class FaultyWriter(Writer):
         *,
         limits: Limits = DEFAULT_LIMITS,
         readings: Readings = DEFAULT_READINGS,
+        profile: EntropyProfile | None = None,
     ) -> None:
-        super().__init__(sink, limits=limits, readings=readings)
+        super().__init__(sink, limits=limits, readings=readings, profile=profile)
         self.mutations = mutations
 
     def _hit(self, el: Element) -> Mutation | None:
@@ -82,6 +87,25 @@ class FaultyWriter(Writer):
         if mutation is not None and mutation.mode == "cut":
             self._cut(start, mutation)
         return wire & ((1 << n) - 1) if mutation is not None and mutation.mode == "value" else v
+
+    def vlc(self, el: Element, table: PrefixTable, v: int) -> int:
+        mutation = self._hit(el)
+        start = self.sink.tell()
+        symbol = mutation.to if mutation is not None and mutation.mode in ("wire", "value") else v
+        code, length = table.encode(symbol)
+        if mutation is not None and mutation.mode == "flip":
+            code ^= 1 << (length - 1 - mutation.to)
+        self.sink.write(code, length)
+        if mutation is not None:
+            mutation.spans.append((start, start + length))
+            if mutation.mode == "word":
+                # Other bits, which need not be a word: `to` as `width` bits.
+                self.sink.cut(start)
+                self.sink.write(mutation.to, mutation.width)
+                mutation.spans[-1] = (start, start + mutation.width)
+            if mutation.mode == "cut":
+                self._cut(start, mutation)
+        return symbol if mutation is not None and mutation.mode == "value" else v
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
         mutation = self._hit(el)

@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..bitstream.cursor import MASKS, BitCursor, OutOfBits
-from ..bitstream.errors import MarkerBit, Truncated
+from ..bitstream.errors import MarkerBit, ReservedValue, Truncated
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.startcodes import PREFIX
 from ..entropy.kernel import decode_segment
 from ..entropy.model import Model
+from ..entropy.prefix import LENGTH_BITS, LENGTH_MASK, PrefixTable
+from ..entropy.profile import EntropyProfile
 from ..rules import finding as registered_finding
 from .base import BARE_CODE, END, PLANE, STUFFED_CODE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from .element import DEFAULT_READINGS, Element, Fault, Readings
@@ -35,8 +37,9 @@ class Reader(SyntaxIO):
         strict: bool = False,
         on_finding: Callable[[Finding], None] | None = None,
         collect: bool = False,
+        profile: EntropyProfile | None = None,
     ) -> None:
-        super().__init__(limits=limits, readings=readings)
+        super().__init__(limits=limits, readings=readings, profile=profile)
         self.cursor = cursor
         self.reading = True
         self.draft = draft
@@ -60,6 +63,26 @@ class Reader(SyntaxIO):
         if el.restricted and not el.allows(value):
             self._outside(el, value, n)
         return value
+
+    def vlc(self, el: Element, table: PrefixTable, v: int) -> int:
+        cursor = self.cursor
+        found = table.lookup(cursor.look(table.max_length))
+        length = found & LENGTH_MASK
+        if not found or not cursor.has(length):
+            raise self._no_word(el, table)
+        cursor.read(length)
+        return found >> LENGTH_BITS
+
+    def _no_word(self, el: Element, table: PrefixTable) -> Truncated | ReservedValue:
+        start = self.cursor.tell()
+        left = self.bits_left(table.max_length)
+        bits = self.cursor.peek(left)
+        if left < table.max_length and table.is_beginning(bits, left):
+            return self._truncated(el, start)
+        return ReservedValue(
+            el.rule, el.name, value=f"{bits:0{left}b}", allowed=f"a word of the {table.name} table",
+            bits=(start, start + left), path=self.path(),
+        )  # fmt: skip
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
         start = self.cursor.tell()

@@ -17,6 +17,8 @@ from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..entropy.literal import SegmentTrace, decode_literally
 from ..entropy.model import Model
+from ..entropy.prefix import PrefixTable
+from ..entropy.profile import EntropyProfile
 from .element import DEFAULT_READINGS, ELEMENTS, STEPS, Element, Readings, Step
 from .reader import Reader
 
@@ -85,6 +87,7 @@ class Tracer(Reader):
         strict: bool = False,
         on_finding: Callable[[Finding], None] | None = None,
         collect: bool = False,
+        profile: EntropyProfile | None = None,
     ) -> None:
         super().__init__(
             cursor,
@@ -94,6 +97,7 @@ class Tracer(Reader):
             strict=strict,
             on_finding=on_finding,
             collect=collect,
+            profile=profile,
         )
         self.trace = Trace()
         self._here = ROOT
@@ -144,6 +148,12 @@ class Tracer(Reader):
         value = super().s(el, n, v)
         self.trace.value[-1] = value
         return value
+
+    def vlc(self, el: Element, table: PrefixTable, v: int) -> int:
+        start = self.cursor.tell()
+        symbol = super().vlc(el, table, v)
+        self._row(el, start, self.cursor.tell(), symbol)
+        return symbol
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
         start = self.cursor.tell()

@@ -11,7 +11,9 @@ from ..bitstream.sink import BitSink
 from ..bitstream.startcodes import FBA_OBJECT_PLANE, PREFIX
 from ..entropy.kernel import encode_segment
 from ..entropy.model import Model
-from .base import END, PLANE, STUFFED_END, SyntaxIO
+from ..entropy.prefix import PrefixTable
+from ..entropy.profile import EntropyProfile
+from .base import END, PLANE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from .element import DEFAULT_READINGS, Element, Fault, Readings
 
 
@@ -27,8 +29,9 @@ class Writer(SyntaxIO):
         *,
         limits: Limits = DEFAULT_LIMITS,
         readings: Readings = DEFAULT_READINGS,
+        profile: EntropyProfile | None = None,
     ) -> None:
-        super().__init__(limits=limits, readings=readings)
+        super().__init__(limits=limits, readings=readings, profile=profile)
         self.sink = sink if sink is not None else BitSink()
         self._plane_start = -1
         # Planes without a start code whose first bits could still be read as one, with what they would be read as.
@@ -43,6 +46,22 @@ class Writer(SyntaxIO):
                 path=self.path(),
             )  # fmt: skip
         self.sink.write(v, n)
+        return v
+
+    def s(self, el: Element, n: int, v: int) -> int:
+        if not -(1 << (n - 1)) <= v < 1 << (n - 1):
+            raise EncodeError(
+                el.rule, el.name, value=v, allowed=f"{-(1 << (n - 1))}..{(1 << (n - 1)) - 1}", path=self.path()
+            )
+        return super().s(el, n, v)
+
+    def vlc(self, el: Element, table: PrefixTable, v: int) -> int:
+        if v not in table:
+            raise EncodeError(
+                el.rule, el.name, value=v, allowed=f"a symbol of the {table.name} table", path=self.path()
+            )
+        code, length = table.encode(v)
+        self.sink.write(code, length)
         return v
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
@@ -72,6 +91,11 @@ class Writer(SyntaxIO):
         return v
 
     def zeros(self, el: Element, count: int) -> int:
+        # One zero bit before the end of the data is stuffing, none is no padding (FBA-3).
+        if count < 2 or (self.sink.tell() + count) & 7:
+            raise EncodeError(
+                el.rule, el.name, value=count, allowed="2 or more zero bits, up to a byte boundary", path=self.path()
+            )
         for _ in range(count):
             self.sink.write(0, 1)
         return count
@@ -80,7 +104,7 @@ class Writer(SyntaxIO):
 
     def boundary(self, v: int, after_object_code: bool) -> int:
         at = self.sink.tell()
-        if v in (END, STUFFED_END) and self._plane_start >= 0:
+        if v in (END, STUFFED_END, ZERO_PADDING) and self._plane_start >= 0:
             self._check_end(v, at)
         if v == PLANE:
             self._plane_start = at
@@ -98,7 +122,7 @@ class Writer(SyntaxIO):
             raise EncodeError("FBA-3", "end of the data", value=f"bit {at}", allowed="a byte boundary, or stuffing")
         # The zero bits of a last plane without data, and a one-bit stuffing, would read as padding (FBA-42).
         width = at - self._plane_start
-        if (v == END or at & 7 == 7) and not self.sink.bits_from(self._plane_start, width):
+        if (v != STUFFED_END or at & 7 == 7) and not self.sink.bits_from(self._plane_start, width):
             raise EncodeError("FBA-42", "last plane", value="zero bits only", allowed="an end code after it")
 
     def protect(self, start: int) -> bool:

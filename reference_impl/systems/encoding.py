@@ -6,6 +6,7 @@ Rules: FBA-1, FBA-43, FBA-52, FBA-54, SYS-2, SYS-3.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from itertools import groupby
 
 from ..bitstream.findings import Finding
 from ..bitstream.startcodes import (
@@ -15,11 +16,13 @@ from ..bitstream.startcodes import (
     VISUAL_OBJECT_SEQUENCE_END,
 )
 from ..face.bap_text import BapFile
+from ..face.dct_planes import DctEncoder
 from ..face.encode import Encoder, EncoderOptions
 from ..face.epf_text import EncoderParameters
 from ..face.fap_text import FapFile
 from ..face.records import FbaObject, FbaPlane
 from ..face.requests import PlaneRequest, requests_of, requests_with
+from ..face.syntax import ARITHMETIC, DCT
 from ..syntax.base import STUFFED_CODE, STUFFED_END
 from .visual import StreamItem, VisualObjectHeader
 
@@ -56,14 +59,15 @@ def encode_fap(
     bap_quant: int = 1,
     gender: int = 0,
     partial_type: int = 1,
+    mode: str = "arithmetic",
     profile: int | None = None,
     end_code: bool = True,
     on_finding: Callable[[Finding], None] | None = None,
     on_progress: Callable[[int], None] | None = None,
 ) -> list[StreamItem]:
-    """A `.fap` file as a stream of arithmetic-coded planes.
+    """A `.fap` file as a stream.
 
-    Rules: FBA-43, FBA-52, FBA-54. `quant`, `bap_quant`: 0..31. `gender`: 1 male. `partial_type`: mask type (1 or 2)
+    Rules: FBA-43, FBA-52, FBA-54, DCT-13. `mode`: `arithmetic` or `dct`; `epf` says it per intra frame. `quant`, `bap_quant`: 0..31. `gender`: 1 male. `partial_type`: mask type (1 or 2)
     of groups of which only some FAPs are coded. `epf`: parameters per frame, which override these. `on_progress` is
     called with the number of planes so far.
     """
@@ -72,13 +76,37 @@ def encode_fap(
         requests = requests_with(epf, faps, baps, quant=quant)
     else:
         requests = requests_of(
-            faps, quant=quant, gender=gender, partial_type=partial_type, baps=baps, bap_quant=bap_quant
+            faps,
+            quant=quant,
+            gender=gender,
+            coding_type=DCT if mode == "dct" else ARITHMETIC,
+            partial_type=partial_type,
+            baps=baps,
+            bap_quant=bap_quant,
         )
-    encoder = Encoder(options, on_finding)
-    planes = encoder.encode(requests)
+    planes = encode_requests(requests, options, on_finding)
     if on_progress is not None:
         planes = _counted(planes, on_progress)
     return stream_of(planes, profile=profile, end_code=end_code)
+
+
+def encode_requests(
+    requests: Iterable[PlaneRequest],
+    options: EncoderOptions | None = None,
+    on_finding: Callable[[Finding], None] | None = None,
+) -> Iterator[FbaPlane]:
+    """Planes of requests; runs of one coding type go to its encoder, each run begins with an intra plane.
+
+    Rules: FBA-12, FBA-43, DCT-13.
+    """
+    # One arithmetic encoder for all runs: a decoder keeps the limits over DCT planes too (FBA-19).
+    arithmetic = Encoder(options, on_finding)
+    for is_dct, run in groupby(requests, _is_dct):
+        yield from DctEncoder(options, on_finding).encode(run) if is_dct else arithmetic.encode(run)
+
+
+def _is_dct(request: PlaneRequest) -> bool:
+    return request.face is not None and request.face.coding_type == DCT
 
 
 def _counted(planes: Iterator[FbaPlane], on_progress: Callable[[int], None]) -> Iterator[FbaPlane]:

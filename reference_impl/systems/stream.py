@@ -14,6 +14,7 @@ from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.source import BytesSource, Source
 from ..bitstream.startcodes import VISUAL_OBJECT, VISUAL_OBJECT_SEQUENCE
+from ..entropy.profile import EntropyProfile
 from ..face.frames import FaceFrame
 from ..face.records import FbaPlane
 from ..face.syntax import is_fba_object
@@ -32,7 +33,7 @@ class Options:
     Rules: FBA-4, FBA-44, CNF-22, CNF-24.
 
     `draft`: take the start codes of the drafts. `strict`: bytes behind the end are an error. `object_number`: which
-    object to decode, from 0. `limits`, `readings`: in force.
+    object to decode, from 0. `limits`, `readings`: in force. `profile`: entropy tables of DCT segments, None: shipped.
     """
 
     draft: bool = False
@@ -40,6 +41,7 @@ class Options:
     object_number: int = 0
     limits: Limits = DEFAULT_LIMITS
     readings: Readings = field(default=DEFAULT_READINGS)
+    profile: EntropyProfile | None = None
 
 
 DEFAULT_OPTIONS = Options()
@@ -60,6 +62,7 @@ def reader(
         strict=options.strict,
         on_finding=on_finding,
         collect=collect,
+        profile=options.profile,
     )
 
 
@@ -192,6 +195,7 @@ def trace_stream(source: Source | bytes, options: Options = DEFAULT_OPTIONS) -> 
         draft=options.draft,
         strict=options.strict,
         on_finding=findings.append,
+        profile=options.profile,
     )
     item: StreamItem | None = None
     plane: FbaPlane | None = None

@@ -15,6 +15,7 @@ from ..bitstream.errors import (
     ReservedValue,
     ResourceLimit,
     TrailingData,
+    Truncated,
     Unsupported,
 )
 from ..bitstream.startcodes import (
@@ -59,6 +60,9 @@ _NOT_BUILT: Final = Fault(
 )
 _NO_OBJECT: Final = Fault(InconsistentSemantics, "FBA-1", "start code", "an object before it")
 _WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the object that visual_object_type names")
+_NO_OBJECT_LEFT: Final = Fault(
+    Truncated, "SYS-6", "start code", "the object that visual_object_type names before the end of the data"
+)
 _TRAILING: Final = Fault(TrailingData, "FBA-3", "data behind the end", "nothing, or another sequence or object")
 _USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
 
@@ -122,6 +126,9 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
     while True:
         item = next(items, None)
         if io.at_end(item is None):
+            if first and io.reading:
+                _refuse(io, -1, 0)
+            io.require(expected == 0, _NO_OBJECT_LEFT, None, io.tell(), io.tell())
             break
         assert item is not None
         item.start = io.tell()

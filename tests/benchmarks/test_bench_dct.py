@@ -10,7 +10,7 @@ import numpy as np
 from snhc.reference_impl.face.coefficients import decode_document, parse_document
 from snhc.reference_impl.face.dct_encode import quantise_segment, run_levels
 from snhc.reference_impl.face.dct_transform import ac_step, inverse_transforms, reconstruct_values
-from snhc.reference_impl.face.entropy_profile import load_profile
+from snhc.reference_impl.entropy.profile import load_profile
 
 SPARSE = [70, -12, 5, 0, 2, 0, 0, -1] + [0] * 8
 DENSE = [70, -12, 5, 3, 2, 7, -1, -1, 4, 3, -2, 1, 1, -1, 2, 1]

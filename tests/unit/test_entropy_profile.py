@@ -10,7 +10,7 @@ import pytest
 
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.entropy.prefix import LENGTH_BITS, LENGTH_MASK
-from snhc.reference_impl.face.entropy_profile import MAX_TABLE_BYTES, TABLE_NAMES, load_profile
+from snhc.reference_impl.entropy.profile import MAX_TABLE_BYTES, TABLE_NAMES, load_profile
 from snhc.reference_impl.tables.reading import TABLES
 
 RUNLENGTH = "fap_dct_runlength_P1.csv"

@@ -1,0 +1,321 @@
+"""Decoded planes as files: NDJSON, CSV, `.fap` text, npz. The formats are described in docs/formats.md.
+
+Rules: CNF-1 (NDJSON), CNF-22 (frames collected), CNF-25 (CSV and npz are this project's), FBA-54 (`.fap`).
+Not here: FITted frames and vertices (CNF-2).
+
+Every writer takes planes one by one and passes whole lines on; NDJSON and CSV keep nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from array import array
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Final
+
+from ..bitstream.errors import ResourceLimit
+from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..syntax.element import DEFAULT_READINGS, Readings
+from ..syntax.temporal import Clock
+from .decoded import EXPRESSION_KEYS, VISEME_KEYS, frame_line, header_line
+from .fap_text import FapTextFrame, fap_frame, fap_header
+from .frames import FaceFrame
+from .records import FbaPlane
+
+if TYPE_CHECKING:
+    from typing import IO
+
+FAPS: Final = 68
+BAPS: Final = 296
+COPY_BYTES: Final = 1 << 16
+
+CSV_COLUMNS: Final = (
+    "index", "time", "intra", "state", "gender", "coding_type", "fap_quant",
+    *(f"viseme_{key}" for key in VISEME_KEYS),
+    *(f"expression_{key}" for key in EXPRESSION_KEYS),
+    *(f"fap_{number}" for number in range(3, FAPS + 1)),
+    "baps",
+)  # fmt: skip
+
+Write = Callable[[bytes], None]
+
+
+class FrameWriter:
+    """Takes a decoded object: `begin`, then each plane, then `end`.
+
+    Rules: CNF-1, FBA-54.
+
+    `write`: takes pieces of whole lines. `most`: frames to write at most, None for all; `full` tells when they are.
+    """
+
+    def __init__(self, write: Write, most: int | None = None) -> None:
+        self._write = write
+        self._most = most
+        self.frames = 0
+
+    @property
+    def full(self) -> bool:
+        """Whether no more frames are wanted. Rules: FBA-54."""
+        return self._most is not None and self.frames >= self._most
+
+    def begin(self) -> None:
+        """The object has been found. Rules: CNF-26."""
+
+    def plane(self, plane: FbaPlane) -> None:
+        """The frames of one plane. Rules: CNF-1."""
+        for frame in plane.frames:
+            if self.full:
+                return
+            self.frame(frame)
+            self.frames += 1
+
+    def frame(self, frame: FaceFrame) -> None:
+        """One frame. Rules: CNF-1."""
+        raise NotImplementedError
+
+    def end(self) -> None:
+        """Nothing more comes, be it that an error ended it. Rules: CNF-1."""
+
+
+class NdjsonWriter(FrameWriter):
+    """The convention `snhc-decoded` version 1. Rules: CNF-1, CNF-24, CNF-26."""
+
+    def __init__(self, write: Write, most: int | None = None, readings: Readings = DEFAULT_READINGS) -> None:
+        super().__init__(write, most)
+        self._readings = readings
+
+    def begin(self) -> None:
+        self._write((header_line("fba", self._readings) + "\n").encode())
+
+    def frame(self, frame: FaceFrame) -> None:
+        self._write((frame_line(frame) + "\n").encode())
+
+
+class CsvWriter(FrameWriter):
+    """One row per frame, the columns of CSV_COLUMNS; an empty cell where NDJSON has null. Rules: CNF-1, CNF-25."""
+
+    def begin(self) -> None:
+        self._write((",".join(CSV_COLUMNS) + "\n").encode())
+
+    def frame(self, frame: FaceFrame) -> None:
+        self._write((csv_row(frame) + "\n").encode())
+
+
+def csv_row(frame: FaceFrame) -> str:
+    """One frame as the cells of CSV_COLUMNS, without the newline. Rules: CNF-1, CNF-25."""
+    cells: list[object] = [
+        frame.index,
+        f"{frame.time[0]}/{frame.time[1]}",
+        1 if frame.intra else 0,
+        frame.state,
+        frame.gender,
+        frame.coding_type,
+        frame.fap_quant,
+        *(frame.viseme if frame.viseme is not None else (None,) * len(VISEME_KEYS)),
+        *(frame.expression if frame.expression is not None else (None,) * len(EXPRESSION_KEYS)),
+        *frame.faps[2:],
+        None if frame.baps is None else " ".join(f"{number}:{value}" for number, value in frame.baps.items()),
+    ]
+    return ",".join("" if cell is None else str(cell) for cell in cells)
+
+
+# -- .fap --------------------------------------------------------------------------------------------------------------
+
+
+class FapFrames:
+    """Turns planes into frames of a `.fap` text.
+
+    Rules: FBA-54, FBA-37.
+
+    One frame per frame with FAP data; the number counts frame periods from the first of them, planes without FAP
+    data and skipped frames included. `rate`: frames per second of the first plane; `rate_changes`: later planes say
+    another one, which the text cannot hold.
+    """
+
+    def __init__(self, readings: Readings = DEFAULT_READINGS) -> None:
+        self._skipped_before = readings.skipped_frames == "before"
+        self._clock = Clock()
+        self._number = -1
+        self.rate: Fraction | None = None
+        self.rate_changes = False
+
+    def of(self, plane: FbaPlane) -> Iterator[FapTextFrame]:
+        """The frames of the next plane. Rules: FBA-54."""
+        self._clock.tick(plane.header, self._skipped_before)
+        if self.rate is None:
+            self.rate = self._clock.rate
+        elif self.rate != self._clock.rate:
+            self.rate_changes = True
+        skipped = plane.header.number_of_frames_to_skip
+        if self._skipped_before:
+            self._pass(skipped)
+        for frame in plane.frames:
+            if plane.faps is not None:
+                self._number = max(self._number, 0)
+                yield fap_text_frame(frame, self._number)
+            self._pass(1)
+        if not self._skipped_before:
+            self._pass(skipped)
+
+    def _pass(self, periods: int) -> None:
+        # Before the first frame with FAP data there is nothing to count from.
+        if self._number >= 0:
+            self._number += periods
+
+
+def fap_text_frame(frame: FaceFrame, number: int) -> FapTextFrame:
+    """A frame as `.fap` text has it: the parameters of state T. Rules: FBA-54, FBA-50."""
+    mask = tuple(1 if letter == "T" else 0 for letter in frame.state)
+    values = [value if digit else None for value, digit in zip(frame.faps, mask, strict=True)]
+    viseme = frame.viseme if mask[0] else None
+    expression = frame.expression if mask[1] else None
+    return FapTextFrame(number, mask, values, viseme, expression)
+
+
+class FapWriter(FrameWriter):
+    """`.fap` text; the frames are spooled, because the header before them says how many there are.
+
+    Rules: FBA-54, FBA-50. Raises EncodeError for a value outside 32 bits.
+    """
+
+    def __init__(
+        self, write: Write, most: int | None = None, readings: Readings = DEFAULT_READINGS, name: str = ""
+    ) -> None:
+        super().__init__(write, most)
+        self._name = name
+        self._texts = FapFrames(readings)
+        self._previous = -1
+        self._spool: IO[bytes] = tempfile.SpooledTemporaryFile(max_size=1 << 20)  # noqa: SIM115 (closed by end)
+
+    @property
+    def rate_changes(self) -> bool:
+        """Whether the frame rate changed, which the text cannot say. Rules: FBA-54."""
+        return self._texts.rate_changes
+
+    def plane(self, plane: FbaPlane) -> None:
+        for text in self._texts.of(plane):
+            if self.full:
+                return
+            self._spool.write(fap_frame(text, self._previous, f"frames[{self.frames}]"))
+            self._previous = text.number
+            self.frames += 1
+
+    def end(self) -> None:
+        rate = self._texts.rate if self._texts.rate is not None else Clock().rate
+        self._write(fap_header(self._name, rate, self.frames))
+        self._spool.seek(0)
+        while chunk := self._spool.read(COPY_BYTES):
+            self._write(chunk)
+        self._spool.close()
+
+
+# -- npz ---------------------------------------------------------------------------------------------------------------
+
+
+class NpzWriter(FrameWriter):
+    """Arrays with one row per frame, in a numpy archive; the keys stand in docs/formats.md.
+
+    Rules: CNF-1, CNF-22, CNF-25. Collects; raises ResourceLimit past `limits.collected_planes`.
+    """
+
+    def __init__(
+        self,
+        write: Write,
+        most: int | None = None,
+        readings: Readings = DEFAULT_READINGS,
+        limits: Limits = DEFAULT_LIMITS,
+    ) -> None:
+        super().__init__(write, most)
+        self._readings = readings
+        self._limits = limits
+        # Rows of equal length, one after the other; a set flag tells null from 0.
+        self._columns: dict[str, array[int]] = {
+            name: array(code)
+            for name, code in (
+                ("time", "q"), ("intra", "b"), ("gender", "b"), ("coding_type", "b"), ("fap_quant", "b"),
+                ("faps", "q"), ("faps_set", "b"), ("viseme", "q"), ("viseme_set", "b"),
+                ("expression", "q"), ("expression_set", "b"),
+            )
+        }  # fmt: skip
+        self._state = bytearray()
+        self._baps: dict[int, dict[int, int]] = {}
+
+    def frame(self, frame: FaceFrame) -> None:
+        if self.frames >= self._limits.collected_planes:
+            raise ResourceLimit(
+                "CNF-22", "frames kept", value=self.frames + 1, allowed=f"at most {self._limits.collected_planes}"
+            )
+        columns = self._columns
+        columns["time"].extend(frame.time)
+        columns["intra"].append(frame.intra)
+        for name, value in (
+            ("gender", frame.gender),
+            ("coding_type", frame.coding_type),
+            ("fap_quant", frame.fap_quant),
+        ):
+            columns[name].append(-1 if value is None else value)
+        columns["faps"].extend([0 if value is None else value for value in frame.faps])
+        columns["faps_set"].extend([value is not None for value in frame.faps])
+        columns["viseme"].extend(frame.viseme or (0,) * len(VISEME_KEYS))
+        columns["viseme_set"].append(frame.viseme is not None)
+        columns["expression"].extend(frame.expression or (0,) * len(EXPRESSION_KEYS))
+        columns["expression_set"].append(frame.expression is not None)
+        self._state += frame.state.encode("ascii")
+        if frame.baps is not None:
+            self._baps[self.frames] = frame.baps
+
+    def end(self) -> None:
+        import numpy as np
+
+        count = self.frames
+        columns = self._columns
+        widths = {"time": 2, "faps": FAPS, "viseme": len(VISEME_KEYS), "expression": len(EXPRESSION_KEYS)}
+        arrays: dict[str, Any] = {}
+        for name, values in columns.items():
+            width = widths.get(name.removesuffix("_set") if name == "faps_set" else name)
+            column = np.array(values, dtype=np.int64 if values.typecode == "q" else np.int8)
+            if name == "intra" or name.endswith("_set"):
+                column = column.astype(np.bool_)
+            arrays[name] = column if width is None else column.reshape(count, width)
+        arrays["state"] = np.frombuffer(bytes(self._state), dtype="S1").reshape(count, FAPS)
+        if self._baps:
+            baps = np.zeros((count, BAPS), dtype=np.int64)
+            baps_set = np.zeros((count, BAPS), dtype=np.bool_)
+            for row, values_of_row in self._baps.items():
+                for number, value in values_of_row.items():
+                    baps[row, number - 1] = value
+                    baps_set[row, number - 1] = True
+            arrays["baps"], arrays["baps_set"] = baps, baps_set
+        header = {"format": "snhc-decoded-npz", "version": 1, "kind": "fba", "readings": self._readings.chosen}
+        arrays["header"] = np.array(json.dumps(header))
+        with tempfile.TemporaryFile() as file:
+            np.savez_compressed(file, **arrays)
+            file.seek(0)
+            while chunk := file.read(COPY_BYTES):
+                self._write(chunk)
+
+
+FORMATS: Final = ("ndjson", "fap", "csv", "npz")
+SUFFIXES: Final = {".ndjson": "ndjson", ".jsonl": "ndjson", ".fap": "fap", ".csv": "csv", ".npz": "npz"}
+
+
+def frame_writer(
+    format: str,
+    write: Write,
+    *,
+    most: int | None = None,
+    readings: Readings = DEFAULT_READINGS,
+    limits: Limits = DEFAULT_LIMITS,
+    name: str = "",
+) -> FrameWriter:
+    """The writer of a format of FORMATS. Rules: CNF-1, FBA-54. `name`: of the sequence, for `.fap`."""
+    if format == "ndjson":
+        return NdjsonWriter(write, most, readings)
+    if format == "csv":
+        return CsvWriter(write, most)
+    if format == "fap":
+        return FapWriter(write, most, readings, name)
+    assert format == "npz", format
+    return NpzWriter(write, most, readings, limits)
