@@ -10,6 +10,7 @@ from typing import Final
 
 from ..bitstream.errors import EncodeError
 from ..bitstream.findings import Finding
+from ..bitstream.startcodes import FBA_OBJECT_PLANE
 from ..rules import finding as registered_finding
 from ..syntax.base import PLANE, STUFFED_CODE
 from .dct_encode import quantise_segment, run_levels
@@ -18,8 +19,8 @@ from .dct_transform import ac_step
 from .encode import EncoderOptions, take_header
 from .parameters import LARGEST_SELECT, fap_set
 from .records import FbaPlane
-from .requests import PartRequest, PlaneRequest, selected_of
-from .syntax import FBA_OBJECT_PLANE, new_plane
+from .requests import PartRequest, PlaneRequest, group_masks_of, selected_of
+from .syntax import new_plane
 
 SEGMENTS_PER_INTRA: Final = 8
 _S16: Final = range(-32767, 32768)
@@ -32,9 +33,11 @@ class DctEncoder:
 
     Rules: DCT-1..7, DCT-9, DCT-10, DCT-13.
 
-    A segment is cut where the masks or the quantiser change or frames are skipped; one that is shorter than 16
-    instants is filled by repeating the last frame (finding `encode-extended`). The first segment, every eighth one
-    and one with new masks are intra. `options.intra_period` counts planes, which are segments here.
+    Sixteen instants make a segment, whatever their masks: its mask is the union of theirs, and a FAP that a frame
+    does not have keeps its last value (finding `masks-joined`). Skipped frames inside a segment repeat the frame
+    before them. A segment is cut short only where the quantiser or the clock changes or an intra plane is asked for;
+    it is then filled by repeating its last frame (finding `encode-extended`), as the last one is. The first segment,
+    every eighth one and one with new masks are intra; `options.intra_period` counts planes, which are segments here.
     """
 
     def __init__(
@@ -44,49 +47,49 @@ class DctEncoder:
         self.findings: list[Finding] = []
         self._on_finding = on_finding if on_finding is not None else self.findings.append
         self._dc: dict[int, int] = {}
+        self._last: dict[int, int] = {}
+        self._last_viseme = (0, 0, 0, 0)
+        self._last_expression = (0, 0, 0, 0, 0, 0)
         self._since_intra = 0
-        self._in_force: PartRequest | None = None
+        self._in_force: tuple[list[int], list[int], int] | None = None
 
     def encode(self, requests: Iterable[PlaneRequest]) -> Iterator[FbaPlane]:
         """The planes of a sequence of requests. Rules: DCT-13. Raises EncodeError for a request without FAPs."""
         batch: list[PlaneRequest] = []
         for request in requests:
-            if batch and (len(batch) == SEGMENT or self._breaks(batch[-1], request)):
-                yield self._plane(batch)
+            if request.face is None or request.body is not None:
+                raise EncodeError(
+                    "DCT-1", "DCT segment", path=f"frame[{request.number}]", allowed="FAPs, and no BAPs beside them"
+                )
+            if batch and (len(batch) == SEGMENT or _breaks(batch[-1], request)):
+                yield self._plane(batch, 0)
                 batch = []
             batch.append(request)
+            skipped = request.header.number_of_frames_to_skip
+            repeats = min(skipped, SEGMENT - len(batch))
+            batch += [request] * repeats
+            if skipped > repeats:
+                yield self._plane(batch, skipped - repeats)
+                batch = []
         if batch:
-            yield self._plane(batch)
+            yield self._plane(batch, 0)
 
-    def _breaks(self, before: PlaneRequest, request: PlaneRequest) -> bool:
-        if before.header.skip_frames or request.header.is_frame_rate or request.header.is_time_code:
-            return True
-        if request.is_intra is not None and request.is_intra:
-            return True
-        return _header(before.face) != _header(request.face)
-
-    def _plane(self, batch: list[PlaneRequest]) -> FbaPlane:
-        first, last = batch[0], batch[-1]
-        wanted = first.face
-        if wanted is None or any(request.body is not None for request in batch):
-            raise EncodeError("DCT-1", "DCT segment", path=f"frame[{first.number}]", allowed="FAPs, and no BAPs beside")
-        period = self.options.intra_period if self.options.intra_period is not None else SEGMENTS_PER_INTRA
-        changed = self._in_force is None or _header(self._in_force) != _header(wanted)
-        is_intra = changed or bool(first.is_intra) or self._since_intra >= period
-        if first.header.is_frame_rate or first.header.is_time_code:
-            is_intra = True
-        self._since_intra = 1 if is_intra else self._since_intra + 1
+    def _plane(self, batch: list[PlaneRequest], skipped: int) -> FbaPlane:
+        first = batch[0]
         missing = SEGMENT - len(batch)
         if missing:
-            kind = registered_finding("encode-extended")
             message = f"the segment is filled up with {missing} times its last frame"
-            self._on_finding(Finding(kind.id, kind.severity, kind.rule, message, path=f"frame[{last.number}]"))
+            self._report("encode-extended", batch[-1].number, message)
         instants = [request.face for request in batch if request.face is not None]
         instants += [instants[-1]] * missing
+        header = self._joined(instants, first.number)
+        types, masks, quant = header
+        period = self.options.intra_period if self.options.intra_period is not None else SEGMENTS_PER_INTRA
+        clock = first.header.is_frame_rate or first.header.is_time_code
+        is_intra = header != self._in_force or bool(first.is_intra) or self._since_intra >= period or bool(clock)
+        self._since_intra = 1 if is_intra else self._since_intra + 1
         plane = new_plane(1, int(is_intra))
         plane.header = first.header
-        # Skipped frames lie behind the segment (DCT-13); the filling takes their place first.
-        skipped = max(0, last.header.number_of_frames_to_skip - missing)
         plane.header.skip_frames = 1 if skipped else 0
         plane.header.number_of_frames_to_skip = skipped
         with_code = self.options.start_codes == "all" or (self.options.start_codes == "intra" and is_intra)
@@ -94,39 +97,71 @@ class DctEncoder:
         plane.start_code = FBA_OBJECT_PLANE if with_code else 0
         assert plane.faps is not None
         if is_intra:
-            take_header(plane.faps, wanted)
-            self._in_force = wanted
+            take_header(plane.faps, instants[0])
+            plane.faps.mask_type = list(types)
+            plane.faps.group_mask = list(masks)
+            self._in_force = header
             self._dc = {}
-        plane.faps.segment = self._segment(wanted, instants, is_intra, first.number)
+        plane.faps.segment = self._segment(
+            selected_of(fap_set(), types, masks), quant, instants, is_intra, first.number
+        )
         return plane
 
-    def _segment(self, wanted: PartRequest, instants: list[PartRequest], is_intra: bool, frame: int) -> SegmentData:
+    def _joined(self, instants: list[PartRequest], frame: int) -> tuple[list[int], list[int], int]:
+        """Masks of all instants together."""
+        first = instants[0]
+        if all((i.mask_types, i.masks) == (first.mask_types, first.masks) for i in instants):
+            return first.mask_types, first.masks, first.quant
+        wanted: set[int] = set()
+        for instant in instants:
+            wanted.update(selected_of(fap_set(), instant.mask_types, instant.masks))
+        partial_type = 2 if any(2 in instant.mask_types for instant in instants) else 1
+        self._report("masks-joined", frame, f"the masks of 16 instants differ; {len(wanted)} FAPs are coded")
+        types, masks = group_masks_of(fap_set(), wanted, partial_type)
+        return types, masks, first.quant
+
+    def _report(self, id: str, frame: int, message: str) -> None:
+        kind = registered_finding(id)
+        self._on_finding(Finding(kind.id, kind.severity, kind.rule, message, path=f"frame[{frame}]"))
+
+    def _segment(
+        self, selected: list[int], quant: int, instants: list[PartRequest], is_intra: bool, frame: int
+    ) -> SegmentData:
         segment = SegmentData()
-        selected = selected_of(fap_set(), wanted.mask_types, wanted.masks)
-        if 1 in selected:
-            for number, instant in enumerate(instants, frame):
-                select1, select2, blend, definition = instant.viseme or (0, 0, 0, 0)
-                segment.viseme.append(self._legal(number, "viseme", (select1, select2, blend), 2, 1))
+        for number, instant in enumerate(instants, frame):
+            if 1 in selected:
+                self._last_viseme = instant.viseme or self._last_viseme
+                select1, select2, blend, definition = self._last_viseme
+                segment.viseme.append(self._legal(number, "viseme", (select1, select2, blend), 1))
                 segment.viseme_def.append(definition)
-        if 2 in selected:
-            for number, instant in enumerate(instants, frame):
-                select1, intensity1, select2, intensity2, init_face, definition = instant.expression or (0,) * 6
+            if 2 in selected:
+                self._last_expression = instant.expression or self._last_expression
+                select1, intensity1, select2, intensity2, init_face, definition = self._last_expression
                 fields = (select1, select2, intensity1, intensity2)
-                segment.expression.append(self._legal(number, "expression", fields, 2, 2))
+                segment.expression.append(self._legal(number, "expression", fields, 2))
                 segment.init_face.append(init_face)
                 segment.expression_def.append(definition)
         for fap in selected:
             if fap > 2:
-                values = [instant.targets[fap] for instant in instants]
-                segment.runs.append(self._run(fap, values, wanted.quant, is_intra))
+                segment.runs.append(self._run(fap, self._values(fap, instants), quant, is_intra))
         return segment
 
-    def _legal(self, frame: int, what: str, fields: tuple[int, ...], selects: int, fap: int) -> list[int]:
-        out = [min(max(value, 0), LARGEST_SELECT[fap] if i < selects else 63) for i, value in enumerate(fields)]
+    def _values(self, fap: int, instants: list[PartRequest]) -> list[int]:
+        """Sixteen values; where an instant has none the last one, at the very start the first to come."""
+        value = self._last.get(fap)
+        if value is None:
+            value = next((i.targets[fap] for i in instants if fap in i.targets), 0)
+        out = []
+        for instant in instants:
+            value = instant.targets.get(fap, value)
+            out.append(value)
+        self._last[fap] = value
+        return out
+
+    def _legal(self, frame: int, what: str, fields: tuple[int, ...], fap: int) -> list[int]:
+        out = [min(max(value, 0), LARGEST_SELECT[fap] if i < 2 else 63) for i, value in enumerate(fields)]
         if out != list(fields):
-            kind = registered_finding("value-clipped")
-            message = f"{what}: {fields} is out of range, {tuple(out)} sent"
-            self._on_finding(Finding(kind.id, kind.severity, kind.rule, message, path=f"frame[{frame}]"))
+            self._report("value-clipped", frame, f"{what}: {fields} is out of range, {tuple(out)} sent")
         return out
 
     def _run(self, fap: int, values: list[int], quant: int, is_intra: bool) -> CoefficientRun:
@@ -147,5 +182,7 @@ class DctEncoder:
         return run
 
 
-def _header(request: PartRequest | None) -> tuple[list[int], list[int], int] | None:
-    return None if request is None else (request.mask_types, request.masks, request.quant)
+def _breaks(before: PlaneRequest, request: PlaneRequest) -> bool:
+    if request.header.is_frame_rate or request.header.is_time_code or request.is_intra:
+        return True
+    return before.face is not None and request.face is not None and before.face.quant != request.face.quant

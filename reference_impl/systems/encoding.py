@@ -21,8 +21,9 @@ from ..face.encode import Encoder, EncoderOptions
 from ..face.epf_text import EncoderParameters
 from ..face.fap_text import FapFile
 from ..face.records import FbaObject, FbaPlane
-from ..face.requests import PlaneRequest, requests_of, requests_with
+from ..face.requests import PlaneRequest, rate_fields, requests_of, requests_with
 from ..face.syntax import ARITHMETIC, DCT
+from ..rules import finding as registered_finding
 from ..syntax.base import STUFFED_CODE, STUFFED_END
 from .visual import StreamItem, VisualObjectHeader
 
@@ -67,9 +68,11 @@ def encode_fap(
 ) -> list[StreamItem]:
     """A `.fap` file as a stream.
 
-    Rules: FBA-43, FBA-52, FBA-54, DCT-13. `mode`: `arithmetic` or `dct`; `epf` says it per intra frame. `quant`, `bap_quant`: 0..31. `gender`: 1 male. `partial_type`: mask type (1 or 2)
-    of groups of which only some FAPs are coded. `epf`: parameters per frame, which override these. `on_progress` is
-    called with the number of planes so far.
+    Rules: FBA-43, FBA-52, FBA-54, DCT-13.
+
+    `mode`: `arithmetic` or `dct`; `epf` says it per intra frame. `quant`, `bap_quant`: 0..31. `gender`: 1 male.
+    `partial_type`: mask type (1 or 2) of groups of which only some FAPs are coded. `epf`: parameters per frame, which
+    override these. `on_progress` is called with the number of planes so far.
     """
     requests: Iterator[PlaneRequest]
     if epf is not None:
@@ -84,10 +87,20 @@ def encode_fap(
             baps=baps,
             bap_quant=bap_quant,
         )
+    if on_finding is not None:
+        _check_rate(faps, on_finding)
     planes = encode_requests(requests, options, on_finding)
     if on_progress is not None:
         planes = _counted(planes, on_progress)
     return stream_of(planes, profile=profile, end_code=end_code)
+
+
+def _check_rate(faps: FapFile, on_finding: Callable[[Finding], None]) -> None:
+    *_, said = rate_fields(faps.frame_rate)
+    # 29.97 in a text means 30000/1001; a closer look than the text's own digits would be noise.
+    if abs(said - faps.frame_rate) * 10_000 > faps.frame_rate:
+        kind = registered_finding("rate-rounded")
+        on_finding(Finding(kind.id, kind.severity, kind.rule, f"{faps.frame_rate} Hz sent as {said} Hz"))
 
 
 def encode_requests(
@@ -102,7 +115,10 @@ def encode_requests(
     # One arithmetic encoder for all runs: a decoder keeps the limits over DCT planes too (FBA-19).
     arithmetic = Encoder(options, on_finding)
     for is_dct, run in groupby(requests, _is_dct):
-        yield from DctEncoder(options, on_finding).encode(run) if is_dct else arithmetic.encode(run)
+        if is_dct:
+            yield from DctEncoder(options, on_finding).encode(run)
+        else:
+            yield from arithmetic.encode(run)
 
 
 def _is_dct(request: PlaneRequest) -> bool:
