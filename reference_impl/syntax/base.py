@@ -101,6 +101,14 @@ class SyntaxIO:
         """The coming 32 bits without taking them, where they are a start code; else -1. Rules: FBA-1, FBA-3."""
         raise NotImplementedError
 
+    def follows(self, value: int, n: int, v: bool) -> bool:
+        """Whether the coming n bits (1..32) are `value`, without taking them. Rules: MSH-2."""
+        raise NotImplementedError
+
+    def only_zeros_left(self, v: bool) -> bool:
+        """Whether every remaining bit is 0. Rules: FBA-42, MSH-25."""
+        raise NotImplementedError
+
     def bits_left(self, most: int) -> int:
         """How many bits are left, at most `most` (up to 256). Rules: CNF-21. Readers only."""
         raise NotImplementedError

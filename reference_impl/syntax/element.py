@@ -132,7 +132,7 @@ class Readings:
     __slots__ = (
         "bap_base_step", "chosen", "clipping", "dc_step_ratio", "dct_intensity", "default_range_47",
         "empty_plane_header", "end_after_last", "expression_order", "limits_after_quant", "mask_order",
-        "normalisation", "skipped_frames", "trailing_zeros", "unstuffed_plane",
+        "mesh_split", "mesh_ties", "normalisation", "skipped_frames", "trailing_zeros", "unstuffed_plane",
     )  # fmt: skip
 
     def __init__(self, chosen: dict[str, str] | None = None) -> None:
@@ -152,6 +152,8 @@ class Readings:
         self.dct_intensity = get("AMB-DCT-3", "unscaled")
         self.end_after_last = get("AMB-DCT-4", "none")
         self.expression_order = get("AMB-DCT-5", "segments")
+        self.mesh_split = get("AMB-MSH-1", "checkerboard")
+        self.mesh_ties = get("AMB-MSH-2", "fan")
 
 
 DEFAULT_READINGS: Final = Readings()

@@ -151,6 +151,12 @@ class Reader(SyntaxIO):
         code = self.cursor.peek(32)
         return code if code >> 8 == PREFIX and self.cursor.has(32) else -1
 
+    def follows(self, value: int, n: int, v: bool) -> bool:
+        return self.cursor.peek(n) == value and self.cursor.has(n)
+
+    def only_zeros_left(self, v: bool) -> bool:
+        return self.cursor.only_zeros_left()
+
     def bits_left(self, most: int) -> int:
         left = most
         while left and not self.cursor.has(left):

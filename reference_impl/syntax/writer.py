@@ -16,6 +16,9 @@ from ..entropy.profile import EntropyProfile
 from .base import END, PLANE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from .element import DEFAULT_READINGS, Element, Fault, Readings
 
+# Padding may be as long as a file: not bit by bit, and not as one number.
+_ZEROS_AT_ONCE = 1 << 16
+
 
 class Writer(SyntaxIO):
     """Writes what the records say, and refuses what the syntax cannot hold. Rules: FBA-3, FBA-41.
@@ -96,15 +99,15 @@ class Writer(SyntaxIO):
             raise EncodeError(
                 el.rule, el.name, value=count, allowed="2 or more zero bits, up to a byte boundary", path=self.path()
             )
-        for _ in range(count):
-            self.sink.write(0, 1)
+        for written in range(0, count, _ZEROS_AT_ONCE):
+            self.sink.write(0, min(_ZEROS_AT_ONCE, count - written))
         return count
 
     # -- told, not found out -------------------------------------------------------------------------------------
 
     def boundary(self, v: int, after_object_code: bool) -> int:
         at = self.sink.tell()
-        if v in (END, STUFFED_END, ZERO_PADDING) and self._plane_start >= 0:
+        if v in (END, STUFFED_END, ZERO_PADDING):
             self._check_end(v, at)
         if v == PLANE:
             self._plane_start = at
@@ -120,6 +123,8 @@ class Writer(SyntaxIO):
     def _check_end(self, v: int, at: int) -> None:
         if v == END and at & 7:
             raise EncodeError("FBA-3", "end of the data", value=f"bit {at}", allowed="a byte boundary, or stuffing")
+        if self._plane_start < 0:
+            return
         # The zero bits of a last plane without data, and a one-bit stuffing, would read as padding (FBA-42).
         width = at - self._plane_start
         if (v != STUFFED_END or at & 7 == 7) and not self.sink.bits_from(self._plane_start, width):
@@ -150,6 +155,12 @@ class Writer(SyntaxIO):
         return self.raw(el, len(v), v)
 
     def at_end(self, v: bool) -> bool:
+        return v
+
+    def follows(self, value: int, n: int, v: bool) -> bool:
+        return v
+
+    def only_zeros_left(self, v: bool) -> bool:
         return v
 
     def next_code(self, v: int) -> int:

@@ -13,17 +13,17 @@ from ..bitstream.errors import InconsistentSemantics, ResourceLimit, SnhcError
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.source import BytesSource, Source
-from ..bitstream.startcodes import VISUAL_OBJECT, VISUAL_OBJECT_SEQUENCE
+from ..bitstream.startcodes import MESH_OBJECT, VISUAL_OBJECT, VISUAL_OBJECT_SEQUENCE
 from ..entropy.profile import EntropyProfile
 from ..face.frames import FaceFrame
-from ..face.records import FbaPlane
 from ..face.syntax import is_fba_object
+from ..mesh.records import MeshFrame, MeshPlane
 from ..syntax.element import DEFAULT_READINGS, Readings
 from ..syntax.faulty import FaultyWriter, Mutation, was_cut
 from ..syntax.reader import Reader
 from ..syntax.tracer import Trace, Tracer
 from ..syntax.writer import Writer
-from .visual import StreamItem, fresh_items, visual_stream
+from .visual import AnyPlane, StreamItem, fresh_items, visual_stream
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,15 +70,21 @@ def _source(source: Source | bytes) -> Source:
     return BytesSource(source) if isinstance(source, bytes) else source
 
 
+def is_object(item: StreamItem) -> bool:
+    """Whether an item is a face or mesh object. Rules: SYS-4."""
+    return item.fba is not None or item.mesh is not None
+
+
 def decode_planes(
     source: Source | bytes,
     options: Options = DEFAULT_OPTIONS,
     on_finding: Callable[[Finding], None] | None = None,
-    on_object: Callable[[], None] | None = None,
-) -> Iterator[FbaPlane]:
+    on_object: Callable[[str], None] | None = None,
+) -> Iterator[AnyPlane]:
     """The planes of one object, each with its frames.
 
-    Rules: FBA-1, FBA-44. Memory does not grow with the stream. `on_object` is called when the object has been found.
+    Rules: FBA-1, FBA-44. Memory does not grow with the stream. `on_object` is called
+    with its kind (`fba`, `mesh`) when the object has been found.
     Raises the first fault in stream order; planes before it have been yielded.
     """
     io = reader(source, options, on_finding)
@@ -88,20 +94,20 @@ def decode_planes(
         if plane is not None:
             if number == options.object_number:
                 yield plane
-        elif item.fba is not None and not item.end:
+        elif is_object(item) and not item.end:
             number += 1
             if number == options.object_number and on_object is not None:
-                on_object()
-        elif item.fba is not None and number == options.object_number:
+                on_object("mesh" if item.mesh is not None else "fba")
+        elif is_object(item) and number == options.object_number:
             break
     if number < options.object_number:
         raise InconsistentSemantics(
-            "FBA-44", "FBA objects in the stream", value=number + 1, bits=(0, io.cursor.end()),
+            "FBA-44", "objects in the stream", value=number + 1, bits=(0, io.cursor.end()),
             allowed=f"{options.object_number + 1} or more",
         )  # fmt: skip
     while not io.at_end(False):
         code = io.next_code(0)
-        if code in (VISUAL_OBJECT_SEQUENCE, VISUAL_OBJECT) or is_fba_object(io, code):
+        if code in (VISUAL_OBJECT_SEQUENCE, VISUAL_OBJECT, MESH_OBJECT) or is_fba_object(io, code):
             io.finding("trailing-data", "another object follows, which is not decoded", io.tell(), io.tell() + 32)
             break
         next(stream, None)
@@ -111,7 +117,7 @@ def decode_frames(
     source: Source | bytes,
     options: Options = DEFAULT_OPTIONS,
     on_finding: Callable[[Finding], None] | None = None,
-) -> Iterator[FaceFrame]:
+) -> Iterator[FaceFrame | MeshFrame]:
     """The frames of one object. Rules: FBA-1, FBA-44, CNF-1."""
     for plane in decode_planes(source, options, on_finding):
         yield from plane.frames
@@ -131,7 +137,7 @@ def read_stream(
     count = 0
     for item, plane in visual_stream(io, fresh_items()):
         if plane is None:
-            if item.fba is None or not item.end:
+            if not is_object(item) or not item.end:
                 items.append(item)
             continue
         count += 1
@@ -140,8 +146,12 @@ def read_stream(
                 "CNF-22", "planes collected", value=count, bits=(plane.start, plane.end),
                 allowed=f"at most {options.limits.collected_planes}",
             )  # fmt: skip
-        assert item.fba is not None
-        item.fba.planes.append(plane)
+        if isinstance(plane, MeshPlane):
+            assert item.mesh is not None
+            item.mesh.planes.append(plane)
+        else:
+            assert item.fba is not None
+            item.fba.planes.append(plane)
     return items
 
 
@@ -176,7 +186,7 @@ class TracePart:
     """
 
     item: StreamItem | None
-    plane: FbaPlane | None
+    plane: AnyPlane | None
     trace: Trace
     findings: tuple[Finding, ...]
     error: SnhcError | None = None
@@ -198,7 +208,7 @@ def trace_stream(source: Source | bytes, options: Options = DEFAULT_OPTIONS) -> 
         profile=options.profile,
     )
     item: StreamItem | None = None
-    plane: FbaPlane | None = None
+    plane: AnyPlane | None = None
     try:
         for item, plane in visual_stream(io, fresh_items()):
             yield TracePart(item, plane, io.take(), tuple(findings))

@@ -1,7 +1,7 @@
 """Visual object sequences: the headers around a face object, and files that begin without them.
 
 Rules: SYS-1, SYS-2, SYS-3, SYS-4, SYS-5, SYS-6, SYS-7, SYS-8 (names of profiles), FBA-1, FBA-3, FBA-44.
-Not here: profile and level checks (SYS-9..12), MP4 and BIFS (SYS-13..62), mesh objects (`Unsupported`).
+Not here: profile and level checks (SYS-9..12), MP4 and BIFS (SYS-13..62).
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from ..bitstream.startcodes import (
 )
 from ..face.records import FbaObject, FbaPlane
 from ..face.syntax import fba_object, is_fba_object
+from ..mesh.records import MeshObject, MeshPlane
+from ..mesh.syntax import mesh_object
 from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault
 from ..tables import profile_level_codes, start_codes
@@ -51,12 +53,17 @@ TRAILING: Final = Element("trailing_data", "FBA-3")
 TYPE_MESH: Final = 3
 TYPE_FBA: Final = 4
 
+AnyPlane = FbaPlane | MeshPlane
+
 _NOT_OURS: Final = Fault(
     InputFormat, "FBA-1", "start code", "a file that begins with a start code 000001B0, 000001B5, 000001BA or 000001BC"
 )
-_NOT_BUILT_TYPE: Final = Fault(Unsupported, "SYS-4", "visual_object_type", "4 (FBA); 3 (mesh) is not built")
+_NOT_BUILT_TYPE: Final = Fault(Unsupported, "SYS-4", "visual_object_type", "3 (mesh), 4 (FBA)")
 _NOT_BUILT: Final = Fault(
-    Unsupported, "SYS-4", "start code", "an FBA object, 000001BA (files of the drafts: --compat draft)"
+    Unsupported,
+    "SYS-4",
+    "start code",
+    "an FBA or mesh object, 000001BA or 000001BC (files of the drafts: --compat draft)",
 )
 _NO_OBJECT: Final = Fault(InconsistentSemantics, "FBA-1", "start code", "an object before it")
 _WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the object that visual_object_type names")
@@ -87,11 +94,11 @@ class StreamItem:
     Rules: SYS-1, SYS-2, SYS-3, SYS-5, FBA-1.
 
     `code`: 0x1B0 sequence (`profile`), 0x1B1 its end, 0x1B2 `user_data`, 0x1B5 `header`, an FBA object's code
-    (`fba`), 0 bytes behind the end (`trailing`). `start`, `end`: its bits; of an object only the start is known
+    (`fba`), 0x1BC a mesh object (`mesh`), 0 bytes behind the end (`trailing`). `start`, `end`: its bits; of an object only the start is known
     before its planes have been read.
     """
 
-    __slots__ = ("code", "end", "fba", "header", "profile", "start", "trailing", "user_data")
+    __slots__ = ("code", "end", "fba", "header", "mesh", "profile", "start", "trailing", "user_data")
 
     def __init__(self, code: int = 0) -> None:
         self.code = code
@@ -99,6 +106,7 @@ class StreamItem:
         self.user_data = b""
         self.header: VisualObjectHeader | None = None
         self.fba: FbaObject | None = None
+        self.mesh: MeshObject | None = None
         self.trailing = b""
         self.start = 0
         self.end = 0
@@ -112,7 +120,7 @@ def profile_name(code: int) -> str:
     return {0xFE: "none of these", 0xFF: "none needed"}.get(code, "")
 
 
-def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[StreamItem, FbaPlane | None]]:
+def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[StreamItem, AnyPlane | None]]:
     """A whole stream: (item, None) for each item once its header is known, (item, plane) for each plane.
 
     An object's item comes twice: before its planes (`end` still 0) and behind them.
@@ -165,6 +173,19 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
             item.end = io.tell()
             expected = 0
             yield item, None
+        elif code == MESH_OBJECT:
+            if not expected:
+                _bare(io, in_sequence, item.start)
+            io.require(expected in (0, TYPE_MESH), _WRONG_OBJECT, f"{code:08x}", item.start, item.start + 32)
+            if item.mesh is None:
+                item.mesh = MeshObject()
+            yield item, None
+            mesh_planes = iter(item.mesh.planes) if not io.reading else _fresh_mesh_planes()
+            for mesh_plane in mesh_object(io, item.mesh, mesh_planes):
+                yield item, mesh_plane
+            item.end = io.tell()
+            expected = 0
+            yield item, None
         elif expected:
             io.require(False, _WRONG_OBJECT, f"{code:08x}" if code > 0 else None, item.start, item.start + 32)
         elif first:
@@ -178,6 +199,11 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
 def _fresh_planes() -> Iterator[FbaPlane]:
     while True:
         yield FbaPlane()
+
+
+def _fresh_mesh_planes() -> Iterator[MeshPlane]:
+    while True:
+        yield MeshPlane()
 
 
 def fresh_items() -> Iterator[StreamItem]:
@@ -194,7 +220,7 @@ def _refuse(io: SyntaxIO, code: int, start: int) -> None:
     known = any(row.value <= code <= row.last for row in start_codes())
     if code in (VISUAL_OBJECT_SEQUENCE_END, USER_DATA, 0x000001BB, 0x000001BD):
         io.require(False, _NO_OBJECT, f"{code:08x}", start, start + 32)
-    io.require(False, _NOT_BUILT if known or code == MESH_OBJECT else _NOT_OURS, f"{code:08x}", start, start + 32)
+    io.require(False, _NOT_BUILT if known else _NOT_OURS, f"{code:08x}", start, start + 32)
 
 
 def _bare(io: SyntaxIO, in_sequence: bool, start: int) -> None:
@@ -236,7 +262,7 @@ def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
         header.priority = io.u(VISUAL_OBJECT_PRIORITY, 3, header.priority)
     start = io.tell()
     header.type = io.u(VISUAL_OBJECT_TYPE, 4, header.type)
-    io.require(header.type == TYPE_FBA, _NOT_BUILT_TYPE, header.type, start, io.tell())
+    io.require(header.type in (TYPE_FBA, TYPE_MESH), _NOT_BUILT_TYPE, header.type, start, io.tell())
     width = 8 - (io.tell() & 7)
     stuffing = (1 << (width - 1)) - 1
     start = io.tell()
