@@ -134,7 +134,8 @@ def dct_segment(
 ) -> None:
     """One segment of 16 instants.
 
-    Rules: DCT-1, DCT-9, DCT-10. `selected`: the coded FAPs 3..68. `viseme`, `expression`: the values of the instant
+    Rules: DCT-1, DCT-9, DCT-10, DCT-15 (by syntax alone: nothing looks for start codes inside). `selected`: the coded
+    FAPs 3..68. `viseme`, `expression`: the values of the instant
     before (select1, select2, blend; select1, select2, intensity1, intensity2), None where FAP 1 or 2 is not coded.
     """
     profile = io.profile

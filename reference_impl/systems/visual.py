@@ -94,8 +94,8 @@ class StreamItem:
     Rules: SYS-1, SYS-2, SYS-3, SYS-5, FBA-1.
 
     `code`: 0x1B0 sequence (`profile`), 0x1B1 its end, 0x1B2 `user_data`, 0x1B5 `header`, an FBA object's code
-    (`fba`), 0x1BC a mesh object (`mesh`), 0 bytes behind the end (`trailing`). `start`, `end`: its bits; of an object only the start is known
-    before its planes have been read.
+    (`fba`), 0x1BC a mesh object (`mesh`), 0 bytes behind the end (`trailing`). `start`, `end`: its bits; of an object
+    only the start is known before its planes have been read.
     """
 
     __slots__ = ("code", "end", "fba", "header", "mesh", "profile", "start", "trailing", "user_data")
@@ -187,7 +187,8 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
             expected = 0
             yield item, None
         elif expected:
-            io.require(False, _WRONG_OBJECT, f"{code:08x}" if code > 0 else None, item.start, item.start + 32)
+            end = item.start + (32 if code > 0 else io.bits_left(32))
+            io.require(False, _WRONG_OBJECT, f"{code:08x}" if code > 0 else None, item.start, end)
         elif first:
             _refuse(io, code, item.start)
         else:

@@ -1,0 +1,1 @@
+"""FAP interpolation tables, and the NDJSON frames they work on (FIT rules)."""

@@ -1,0 +1,1 @@
+"""Face models: feature points, units, face animation tables, deformers (FAC and FAT rules)."""
