@@ -104,9 +104,13 @@ class LiteralDecoder:
 
     def symbol(self, model: Model) -> SymbolStep:
         """Decode one symbol and update its model. Rules: FBA-23, FBA-24."""
-        freq = model.freq if model.freq is not None else [1] * model.n
+        freq = model.freq
+        if freq is None:
+            freq = [1] * model.n
+            model.freq = freq
         # cum[j] = sum of freq[j:], cum[n] = 0
-        cum = [*accumulate(reversed(freq))][::-1] + [0]
+        cum = [*accumulate(reversed(freq), initial=0)]
+        cum.reverse()
         low, high, code_value = self._low, self._high, self._code_value
         bits_before = len(self._positions)
         length = high - low + 1
@@ -134,13 +138,12 @@ class LiteralDecoder:
             shifts += 1
         rescaled = False
         if model.adaptive:
-            freq = list(freq)
             if cum[0] == MAX_FREQUENCY:
                 freq = [(f + 1) // 2 for f in freq]
+                model.freq = freq
                 rescaled = True
             freq[s] += 1
-            model.freq = freq
-            model.total = sum(freq)
+            model.total = sum(freq) if rescaled else cum[0] + 1
             model.above = -1  # the fast structures no longer fit
         return SymbolStep(
             low, high, code_value, cum[0], c, cum[s + 1], cum[s], model.n, s + model.lo, bits_before, shifts,

@@ -1,6 +1,7 @@
 """Decoded planes as files: NDJSON, CSV, `.fap` text, npz. The formats are described in docs/formats.md.
 
-Rules: CNF-1 (NDJSON), CNF-22 (frames collected), CNF-25 (CSV and npz are this project's), FBA-54 (`.fap`).
+Rules: CNF-1 (NDJSON, faces and meshes), CNF-22 (frames collected), CNF-25 (CSV and npz are this project's), FBA-54
+(`.fap`).
 Not here: FITted frames and vertices (CNF-2).
 
 Every writer takes planes one by one and passes whole lines on; NDJSON and CSV keep nothing.
@@ -15,14 +16,17 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
-from ..bitstream.errors import ResourceLimit
+from ..bitstream.errors import EncodeError, ResourceLimit
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..face.decoded import EXPRESSION_KEYS, VISEME_KEYS, frame_line, header_line
+from ..face.fap_text import FapTextFrame, fap_frame, fap_header
+from ..face.frames import FaceFrame
+from ..face.records import FbaPlane
+from ..mesh.decoded import mesh_line
+from ..mesh.records import MeshFrame
 from ..syntax.element import DEFAULT_READINGS, Readings
 from ..syntax.temporal import Clock
-from .decoded import EXPRESSION_KEYS, VISEME_KEYS, frame_line, header_line
-from .fap_text import FapTextFrame, fap_frame, fap_header
-from .frames import FaceFrame
-from .records import FbaPlane
+from .visual import AnyPlane
 
 if TYPE_CHECKING:
     from typing import IO
@@ -60,10 +64,17 @@ class FrameWriter:
         """Whether no more frames are wanted. Rules: FBA-54."""
         return self._most is not None and self.frames >= self._most
 
-    def begin(self) -> None:
-        """The object has been found. Rules: CNF-26."""
+    def begin(self, kind: str) -> None:
+        """The object has been found; `kind`: `fba` or `mesh`. Rules: CNF-26.
 
-    def plane(self, plane: FbaPlane) -> None:
+        Raises EncodeError where the format has no form for the kind.
+        """
+        if kind != "fba":
+            raise EncodeError(
+                "CNF-25", "kind of the object", value=kind, allowed="fba in this format; ndjson takes all"
+            )
+
+    def plane(self, plane: AnyPlane) -> None:
         """The frames of one plane. Rules: CNF-1."""
         for frame in plane.frames:
             if self.full:
@@ -71,12 +82,15 @@ class FrameWriter:
             self.frame(frame)
             self.frames += 1
 
-    def frame(self, frame: FaceFrame) -> None:
+    def frame(self, frame: FaceFrame | MeshFrame) -> None:
         """One frame. Rules: CNF-1."""
         raise NotImplementedError
 
     def end(self) -> None:
         """Nothing more comes, be it that an error ended it. Rules: CNF-1."""
+
+    def close(self) -> None:
+        """Let go of what is held; nothing is written. Rules: CNF-22."""
 
 
 class NdjsonWriter(FrameWriter):
@@ -86,20 +100,23 @@ class NdjsonWriter(FrameWriter):
         super().__init__(write, most)
         self._readings = readings
 
-    def begin(self) -> None:
-        self._write((header_line("fba", self._readings) + "\n").encode())
+    def begin(self, kind: str) -> None:
+        self._write((header_line(kind, self._readings) + "\n").encode())
 
-    def frame(self, frame: FaceFrame) -> None:
-        self._write((frame_line(frame) + "\n").encode())
+    def frame(self, frame: FaceFrame | MeshFrame) -> None:
+        line = mesh_line(frame) if isinstance(frame, MeshFrame) else frame_line(frame)
+        self._write((line + "\n").encode())
 
 
 class CsvWriter(FrameWriter):
     """One row per frame, the columns of CSV_COLUMNS; an empty cell where NDJSON has null. Rules: CNF-1, CNF-25."""
 
-    def begin(self) -> None:
+    def begin(self, kind: str) -> None:
+        super().begin(kind)
         self._write((",".join(CSV_COLUMNS) + "\n").encode())
 
-    def frame(self, frame: FaceFrame) -> None:
+    def frame(self, frame: FaceFrame | MeshFrame) -> None:
+        assert isinstance(frame, FaceFrame)
         self._write((csv_row(frame) + "\n").encode())
 
 
@@ -187,14 +204,15 @@ class FapWriter(FrameWriter):
         self._name = name
         self._texts = FapFrames(readings)
         self._previous = -1
-        self._spool: IO[bytes] = tempfile.SpooledTemporaryFile(max_size=1 << 20)  # noqa: SIM115 (closed by end)
+        self._spool: IO[bytes] = tempfile.SpooledTemporaryFile(max_size=1 << 20)  # noqa: SIM115 (closed by close)
 
     @property
     def rate_changes(self) -> bool:
         """Whether the frame rate changed, which the text cannot say. Rules: FBA-54."""
         return self._texts.rate_changes
 
-    def plane(self, plane: FbaPlane) -> None:
+    def plane(self, plane: AnyPlane) -> None:
+        assert isinstance(plane, FbaPlane)
         for text in self._texts.of(plane):
             if self.full:
                 return
@@ -208,6 +226,8 @@ class FapWriter(FrameWriter):
         self._spool.seek(0)
         while chunk := self._spool.read(COPY_BYTES):
             self._write(chunk)
+
+    def close(self) -> None:
         self._spool.close()
 
 
@@ -242,7 +262,8 @@ class NpzWriter(FrameWriter):
         self._state = bytearray()
         self._baps: dict[int, dict[int, int]] = {}
 
-    def frame(self, frame: FaceFrame) -> None:
+    def frame(self, frame: FaceFrame | MeshFrame) -> None:
+        assert isinstance(frame, FaceFrame)
         if self.frames >= self._limits.collected_planes:
             raise ResourceLimit(
                 "CNF-22", "frames kept", value=self.frames + 1, allowed=f"at most {self._limits.collected_planes}"

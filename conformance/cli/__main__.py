@@ -1,0 +1,5 @@
+"""`python -m snhc.conformance.cli`: the same as `snhc`."""
+
+from . import main
+
+main()

@@ -1,0 +1,81 @@
+"""`snhc dump`: what every bit of a stream is.
+
+Rules: CNF-17, CNF-19, CNF-21, CNF-23.
+"""
+
+from __future__ import annotations
+
+import re
+
+import click
+
+from .common import Common, Output, colour_allowed, common_options, format_of, open_input
+
+
+def parse_planes(value: str | None) -> tuple[int, int | None] | None:
+    """`A:B`, `A:`, `:B` or `A` as (first, behind the last), None for no end.
+
+    Rules: CNF-19. Planes count from 0. Raises click.BadParameter.
+    """
+    if value is None:
+        return None
+    match = re.fullmatch(r"(\d{0,12})(:?)(\d{0,12})", value, re.ASCII)
+    if match is None or not (match[1] or match[3]):
+        raise click.BadParameter(f"{value!r} is not of the form A:B, A:, :B or A")
+    first = int(match[1] or 0)
+    last = int(match[3]) if match[3] else None if match[2] else first + 1
+    if last is not None and last <= first:
+        raise click.BadParameter(f"{value!r} holds no plane")
+    return first, last
+
+
+@click.command()
+@click.argument("file")
+@click.option(
+    "--format", "format_", type=click.Choice(("tree", "json")), help="Default: by the extension of -o, else tree."
+)
+@click.option(
+    "--planes", metavar="A:B", callback=lambda ctx, param, value: parse_planes(value),
+    help="Only planes A to B-1; reading stops behind them.",
+)  # fmt: skip
+@click.option(
+    "--object", "object_number", type=click.IntRange(min=0), default=0, metavar="N",
+    help="Which object --planes counts in.",
+)  # fmt: skip
+@click.option("--depth", type=click.IntRange(min=1), metavar="N", help="Levels of the tree to show.")
+@click.option("--symbols", is_flag=True, help="Arithmetic segments symbol by symbol.")
+@common_options()
+def command(
+    file: str,
+    format_: str | None,
+    planes: tuple[int, int | None] | None,
+    object_number: int,
+    depth: int | None,
+    symbols: bool,
+    common: Common,
+) -> None:
+    """Show what every bit of a stream is.
+
+    Each element with its bit span [first, end), raw bits, value and rule. A fault ends the dump and stands at its
+    end. FILE: - for standard input.
+    """
+    chosen = format_of(format_, common.output, {".txt": "tree", ".json": "json"}, "tree")
+    from snhc.analyzer.dump import TreeOptions, dump_tree
+    from snhc.analyzer.dump_json import dump_json
+    from snhc.analyzer.parts import Parts, Selection
+    from snhc.reference_impl.systems.stream import trace_stream
+
+    options = common.options(object_number)
+    selection = None if planes is None else Selection(object_number, *planes)
+    with open_input(file) as source, Output(common.output, common.keep_partial) as out:
+        parts = Parts(trace_stream(source, options), selection)
+        if chosen == "json":
+            pieces = dump_json(parts, source, options, symbols)
+        else:
+            pieces = dump_tree(parts, source, TreeOptions(depth, symbols, colour_allowed(out.is_terminal)))
+        for piece in pieces:
+            out.write(piece)
+        if parts.error is not None:
+            # The dump says itself where and why it ends, so it is whole.
+            out.keep()
+            raise parts.error

@@ -1,0 +1,145 @@
+"""`snhc encode`: `.fap` text to a face stream.
+
+Rules: CNF-19, FBA-43, FBA-50, FBA-52, FBA-54.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import click
+
+from .common import Common, Output, common_options, open_binary, progress
+
+_LAST_FAP = 68
+
+
+def parse_masks(value: str | None) -> frozenset[int] | None:
+    """`3-14,48` as the set of FAP numbers. Rules: CNF-19, FBA-10. Raises click.BadParameter."""
+    if value is None:
+        return None
+    numbers: set[int] = set()
+    for token in value.split(","):
+        match = re.fullmatch(r"(\d{1,2})(?:-(\d{1,2}))?", token.strip(), re.ASCII)
+        if match is None:
+            raise click.BadParameter(f"{token!r} is not of the form N or N-M")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if not 1 <= first <= last <= _LAST_FAP:
+            raise click.BadParameter(f"{token!r}: FAPs are numbered 1..{_LAST_FAP}")
+        numbers.update(range(first, last + 1))
+    return frozenset(numbers)
+
+
+def parse_profile(value: str | None) -> int | None:
+    """A number 0..255, also hexadecimal with 0x. Rules: CNF-19, SYS-2. Raises click.BadParameter."""
+    if value is None:
+        return None
+    if re.fullmatch(r"0[xX][0-9a-fA-F]{1,2}|[0-9]{1,3}", value, re.ASCII) is None or int(value, 0) > 255:
+        raise click.BadParameter(f"{value!r} is not a number 0..255 (or 0x00..0xFF)")
+    return int(value, 0)
+
+
+@click.command()
+@click.argument("file")
+@click.option("--epf", metavar="FILE", help="Encoder parameters per frame; they override the options.")
+@click.option("--bap", metavar="FILE", help="Body parameters that ride along, as .bap text.")
+@click.option("--mode", type=click.Choice(("arithmetic", "dct")), default="arithmetic", show_default=True)
+@click.option("--quant", type=click.IntRange(0, 31), default=1, show_default=True, help="fap_quant; 0 is lossless.")
+@click.option("--bap-quant", type=click.IntRange(0, 31), default=1, show_default=True, help="bap_quant.")
+@click.option(
+    "--intra-period", type=click.IntRange(min=1), metavar="N",
+    help="Planes from one intra plane to the next. Default: one second.",
+)  # fmt: skip
+@click.option(
+    "--masks", metavar="LIST", callback=lambda ctx, param, value: parse_masks(value),
+    help="Code exactly these FAPs in every frame, e.g. 3-14,48; what a frame lacks holds its value.",
+)  # fmt: skip
+@click.option(
+    "--mask-type", type=click.IntRange(1, 2), default=1, show_default=True,
+    help="What FAPs left out of a group do: 1 keep their value, 2 are interpolated.",
+)  # fmt: skip
+@click.option(
+    "--ranges", type=click.Choice(("auto", "widen", "max")), default="auto", show_default=True,
+    help="auto: the smallest; widen: those in force as long as they hold; max: the widest.",
+)  # fmt: skip
+@click.option(
+    "--start-codes", type=click.Choice(("none", "intra", "all")), default="none", show_default=True,
+    help="Which planes get a start code.",
+)  # fmt: skip
+@click.option("--gender", type=click.Choice(("female", "male")), default="female", show_default=True)
+@click.option(
+    "--profile", metavar="NUMBER", callback=lambda ctx, param, value: parse_profile(value),
+    help="Write sequence headers with this profile_and_level_indication.",
+)  # fmt: skip
+@click.option("--no-end-code", is_flag=True, help="End without visual_object_sequence_end_code.")
+@common_options(reads="text")
+def command(
+    file: str,
+    epf: str | None,
+    bap: str | None,
+    mode: str,
+    quant: int,
+    bap_quant: int,
+    intra_period: int | None,
+    masks: frozenset[int] | None,
+    mask_type: int,
+    ranges: str,
+    start_codes: str,
+    gender: str,
+    profile: int | None,
+    no_end_code: bool,
+    common: Common,
+) -> None:
+    """Encode FAP text as a face stream.
+
+    FILE is .fap text, - for standard input.
+    """
+    if common.output in (None, "-") and sys.stdout.isatty():
+        raise click.UsageError("a stream is not for terminals; give -o FILE")
+    if [file, epf, bap].count("-") > 1:
+        raise click.UsageError("only one input can be standard input")
+    from snhc.reference_impl.face.bap_text import read_bap
+    from snhc.reference_impl.face.encode import EncoderOptions
+    from snhc.reference_impl.face.epf_text import read_epf
+    from snhc.reference_impl.face.fap_text import read_fap
+    from snhc.reference_impl.face.masks import with_masks
+    from snhc.reference_impl.syntax.writer import Writer
+    from snhc.reference_impl.systems.encoding import encode_fap
+    from snhc.reference_impl.systems.stream import write_stream
+
+    with Output(common.output, common.keep_partial) as out:
+        with open_binary(file) as stream:
+            faps = read_fap(stream, strict=common.strict, limits=common.limits)
+        parameters = bodies = None
+        findings = faps.findings
+        if epf is not None:
+            with open_binary(epf) as stream:
+                parameters = read_epf(stream, strict=common.strict, limits=common.limits)
+            findings = findings + parameters.findings
+        if bap is not None:
+            with open_binary(bap) as stream:
+                bodies = read_bap(stream, strict=common.strict, limits=common.limits)
+            findings = findings + bodies.findings
+        for finding in findings:
+            common.report(finding)
+        if masks is not None:
+            faps = with_masks(faps, masks)
+        total = len(faps.frames) if parameters is None else len(parameters.frames)
+        with progress(common, "encoding", total) as advance:
+            items = encode_fap(
+                faps,
+                EncoderOptions(intra_period=intra_period, ranges=ranges, start_codes=start_codes),
+                epf=parameters,
+                baps=bodies,
+                quant=quant,
+                bap_quant=bap_quant,
+                gender=1 if gender == "male" else 0,
+                partial_type=mask_type,
+                mode=mode,
+                profile=profile,
+                end_code=not no_end_code,
+                on_finding=common.report,
+                on_progress=advance,
+            )
+        out.write(write_stream(items, Writer(limits=common.limits, profile=common.entropy_profile())))

@@ -1,0 +1,108 @@
+"""From exceptions to one line on standard error and an exit code, for all verbs.
+
+Rules: CNF-19, CNF-25.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+import click
+
+if TYPE_CHECKING:
+    from .common import FindingReport
+
+INPUT_OUTPUT: Final = 3
+INTERNAL: Final = 70
+# 128 + the number of the signal, as shells count.
+INTERRUPTED: Final = 130
+BROKEN_PIPE: Final = 141
+
+
+class Invocation:
+    """What the error handling has to know of the running verb. Rules: CNF-19."""
+
+    def __init__(self) -> None:
+        self.json_errors = False
+        self.report: FindingReport | None = None
+
+    def close(self) -> None:
+        """Say how many findings were held back. Rules: CNF-23."""
+        if self.report is not None:
+            self.report.close()
+            self.report = None
+
+    def fail(self, error: object, fields: dict[str, object]) -> None:
+        """Print one line: `fields` as JSON under --json-errors, else the error. Rules: CNF-25."""
+        self.close()
+        text = json.dumps(fields, ensure_ascii=False) if self.json_errors else f"snhc: {one_line(str(error))}"
+        click.echo(text, err=True)
+
+
+def one_line(text: str) -> str:
+    """A text without line ends. Rules: CNF-19."""
+    return " ".join(text.splitlines())
+
+
+def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> None:
+    """Run a verb; faults become one line and an exit code. Rules: CNF-19, CNF-25."""
+    from snhc.reference_impl.bitstream.errors import SnhcError
+
+    invocation = Invocation()
+    ctx.obj = invocation
+    try:
+        invoke(ctx)
+        invocation.close()
+        sys.stdout.flush()
+        code = 0
+    except click.exceptions.Exit as error:
+        invocation.close()
+        code = error.exit_code
+    except (click.ClickException, click.Abort):
+        raise
+    except SnhcError as error:
+        invocation.fail(error, error.as_json())
+        code = error.exit_code
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+    except OSError as error:
+        code = _system_error(invocation, error)
+    except Exception as error:  # noqa: BLE001 (the last line of defence: a bug is reported, not printed as a traceback)
+        if os.environ.get("SNHC_DEBUG") == "1":
+            import traceback
+
+            traceback.print_exc()
+        message = f"internal error: {type(error).__name__}: {error}; please report it (SNHC_DEBUG=1 shows where)"
+        invocation.fail(message, {"class": "Internal", "rule": "CNF-19", "message": one_line(message)})
+        code = INTERNAL
+    _settle_stdout()
+    ctx.exit(code)
+
+
+def _system_error(invocation: Invocation, error: OSError) -> int:
+    if error.errno == errno.EPIPE:
+        return BROKEN_PIPE
+    name = error.filename if isinstance(error.filename, str) else ""
+    text = error.strerror or str(error)
+    message = f"{name}: {text}" if name else text
+    fields: dict[str, object] = {
+        "class": "InputOutput", "rule": "CNF-19", "element": name, "value": None, "allowed": "",
+        "message": one_line(message),
+    }  # fmt: skip
+    invocation.fail(message, fields)
+    return INPUT_OUTPUT
+
+
+def _settle_stdout() -> None:
+    """Make sure that the interpreter does not fail again at exit on output that nobody takes."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
