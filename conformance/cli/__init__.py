@@ -17,7 +17,14 @@ import click
 # Name -> what the list of verbs says; the same words begin the verb's own help.
 VERBS: Final = {
     "decode": "Decode a face or mesh stream to frames.",
-    "encode": "Encode FAP text as a face stream.",
+    "encode": "Encode FAP text as a face stream, or a mesh.",
+    "render": "Draw a mesh stream as a picture or an animation.",
+    "fit": "Fill frames by a FAP interpolation table.",
+    "fat": "Move a model by its face animation tables.",
+    "dct": "Decode quantised DCT coefficients to frames.",
+    "check": "Print the findings of an input.",
+    "stats": "Sum up a stream: planes, rates, bits, masks, ranges.",
+    "plot": "Plot the FAP curves and bit rates of a stream.",
     "dump": "Show what every bit of a stream is.",
     "generate": "Make the suite's vectors, or check them.",
     "run": "Run decoders against the suite.",

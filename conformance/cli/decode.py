@@ -14,8 +14,13 @@ import click
 from .common import Common, Output, common_options, format_of, open_input
 
 # The keys of `output.FORMATS` and `SUFFIXES`, spelled out so that `--help` loads no codec; a test compares them.
-FORMATS = ("ndjson", "fap", "csv", "npz")
-SUFFIXES = {".ndjson": "ndjson", ".jsonl": "ndjson", ".fap": "fap", ".csv": "csv", ".npz": "npz"}
+MODELS = ("obj", "ply", "stl", "off", "glb")
+FORMATS = ("ndjson", "fap", "csv", "npz", *MODELS)
+SUFFIXES = {
+    ".ndjson": "ndjson", ".jsonl": "ndjson", ".fap": "fap", ".csv": "csv", ".npz": "npz",
+    **{f".{name}": name for name in MODELS},
+}  # fmt: skip
+PLACEHOLDER = "{index}"
 
 
 @click.command()
@@ -28,12 +33,42 @@ def command(file: str, format_: str | None, nframes: int | None, object_number: 
     """Decode a face or mesh stream to frames.
 
     FILE is a visual stream, - for standard input. NDJSON and CSV are written as they are decoded; lines before an
-    error stay. Meshes have an NDJSON form only.
+    error stay. obj, ply, stl, off and glb hold the first mesh; with {index} in -o, as in mesh-{index}.obj, every frame
+    becomes a file.
     """
     chosen = format_of(format_, common.output, SUFFIXES, "ndjson")
-    if chosen == "npz" and common.output in (None, "-") and sys.stdout.isatty():
-        raise click.UsageError("npz is not for terminals; give -o FILE")
+    if common.output is not None and PLACEHOLDER in common.output:
+        if chosen not in MODELS:
+            raise click.UsageError(f"{PLACEHOLDER} in -o is for {', '.join(MODELS)}")
+        _decode_models(file, chosen, nframes, object_number, common)
+        return
+    if chosen in ("npz", "stl", "glb") and common.output in (None, "-") and sys.stdout.isatty():
+        raise click.UsageError(f"{chosen} is not for terminals; give -o FILE")
     _decode(file, chosen, nframes, object_number, common)
+
+
+def _decode_models(file: str, chosen: str, nframes: int | None, object_number: int, common: Common) -> None:
+    from snhc.reference_impl.systems.output import frame_writer
+    from snhc.reference_impl.systems.stream import decode_planes
+
+    pattern = common.output
+    assert pattern is not None
+
+    def each(index: int, model: bytes) -> None:
+        with Output(pattern.replace(PLACEHOLDER, str(index)), common.keep_partial) as out:
+            out.write(model)
+
+    with open_input(file) as source:
+        writer = frame_writer(chosen, _nothing, most=nframes, each=each)
+        for plane in decode_planes(source, common.options(object_number), common.report, writer.begin):
+            writer.plane(plane)
+            if writer.full:
+                break
+        writer.end()
+
+
+def _nothing(data: bytes) -> None:
+    raise AssertionError("every frame has a file of its own")
 
 
 def _decode(file: str, chosen: str, nframes: int | None, object_number: int, common: Common) -> None:
@@ -64,7 +99,7 @@ def _decode(file: str, chosen: str, nframes: int | None, object_number: int, com
                     break
         except SnhcError:
             # An archive is no sequence of lines: half of one goes nowhere unless it is asked for.
-            if found and (chosen != "npz" or common.keep_partial):
+            if found and chosen not in MODELS and (chosen != "npz" or common.keep_partial):
                 writer.end()
             raise
         writer.end()

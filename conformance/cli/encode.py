@@ -1,16 +1,19 @@
-"""`snhc encode`: `.fap` text to a face stream.
+"""`snhc encode`: `.fap` text to a face stream; mesh documents and pictures to a mesh stream (`encode_mesh`).
 
-Rules: CNF-19, FBA-43, FBA-50, FBA-52, FBA-54.
+Rules: CNF-19, FBA-43, FBA-50, FBA-52, FBA-54, MSH-23.
 """
 
 from __future__ import annotations
 
+import io
 import re
 import sys
+from fractions import Fraction
 
 import click
 
 from .common import Common, Output, common_options, open_binary, progress
+from .encode_mesh import HEAD, MeshOptions, encode_meshes, kind_of
 
 _LAST_FAP = 68
 
@@ -40,8 +43,18 @@ def parse_profile(value: str | None) -> int | None:
     return int(value, 0)
 
 
+def parse_rate(value: str | None) -> Fraction | None:
+    """`25`, `12.5` or `30000/1001` as a fraction above 0. Rules: CNF-19, FBA-37. Raises click.BadParameter."""
+    if value is None:
+        return None
+    match = re.fullmatch(r"(\d{1,9})(?:/(\d{1,9})|\.(\d{1,9}))?", value, re.ASCII)
+    if match is None or (match[2] is not None and int(match[2]) == 0) or Fraction(value) == 0:
+        raise click.BadParameter(f"{value!r} is not of the form P or P/Q, above 0")
+    return Fraction(value)
+
+
 @click.command()
-@click.argument("file")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @click.option("--epf", metavar="FILE", help="Encoder parameters per frame; they override the options.")
 @click.option("--bap", metavar="FILE", help="Body parameters that ride along, as .bap text.")
 @click.option("--mode", type=click.Choice(("arithmetic", "dct")), default="arithmetic", show_default=True)
@@ -72,10 +85,37 @@ def parse_profile(value: str | None) -> int | None:
     "--profile", metavar="NUMBER", callback=lambda ctx, param, value: parse_profile(value),
     help="Write sequence headers with this profile_and_level_indication.",
 )  # fmt: skip
+@click.option(
+    "--rate", metavar="P[/Q]", callback=lambda ctx, param, value: parse_rate(value),
+    help="Meshes: planes per second. Default: 30, or what the times of a document need.",
+)  # fmt: skip
+@click.option(
+    "--far", type=click.Choice(("error", "intra")), default="error", show_default=True,
+    help="Meshes: what becomes of vectors outside -2048..2047; intra: a new intra plane.",
+)  # fmt: skip
+@click.option(
+    "--design", type=click.Choice(("content", "uniform")), default="content", show_default=True,
+    help="Pictures: a Delaunay mesh that fits the first one, or a uniform mesh.",
+)  # fmt: skip
+@click.option("--mask", metavar="IMAGE", help="Pictures: where the object is on the first one (not black).")
+@click.option(
+    "--interior-nodes", type=click.IntRange(0, 64512), default=100, show_default=True, help="Pictures: at most so many."
+)
+@click.option(
+    "--spacing", type=click.FloatRange(min=1), default=6.0, show_default=True,
+    help="Pictures: pixels between interior nodes.",
+)  # fmt: skip
+@click.option(
+    "--search",
+    type=click.IntRange(0, 64),
+    default=7,
+    show_default=True,
+    help="Pictures: reach of the tracking, pixels.",
+)
 @click.option("--no-end-code", is_flag=True, help="End without visual_object_sequence_end_code.")
 @common_options(reads="text")
 def command(
-    file: str,
+    files: tuple[str, ...],
     epf: str | None,
     bap: str | None,
     mode: str,
@@ -88,17 +128,37 @@ def command(
     start_codes: str,
     gender: str,
     profile: int | None,
+    rate: Fraction | None,
+    far: str,
+    design: str,
+    mask: str | None,
+    interior_nodes: int,
+    spacing: float,
+    search: int,
     no_end_code: bool,
     common: Common,
 ) -> None:
-    """Encode FAP text as a face stream.
+    """Encode FAP text as a face stream, or a mesh document or pictures as a mesh stream.
 
-    FILE is .fap text, - for standard input.
+    FILE is .fap text, a mesh document (JSON, or the NDJSON that decode writes), or one of the pictures of a sequence;
+    - for standard input. What it is is told by its content. A mesh is designed for the first picture and tracked over
+    the others; how well the first one stands for them is reported in dB.
     """
     if common.output in (None, "-") and sys.stdout.isatty():
         raise click.UsageError("a stream is not for terminals; give -o FILE")
-    if [file, epf, bap].count("-") > 1:
+    if [*files, epf, bap, mask].count("-") > 1:
         raise click.UsageError("only one input can be standard input")
+    with open_binary(files[0]) as stream:
+        head = stream.read(HEAD)
+        kind = kind_of(head)
+        if kind != "fap" or len(files) > 1:
+            if kind != "pictures" and len(files) > 1:
+                raise click.UsageError("only pictures make a sequence of files")
+            first = head + stream.read()
+            meshes = MeshOptions(rate, far, design, mask, interior_nodes, spacing, search, profile, not no_end_code)
+            encode_meshes(kind, first, files, meshes, common)
+            return
+        text = io.BytesIO(head + stream.read())
     from snhc.reference_impl.face.bap_text import read_bap
     from snhc.reference_impl.face.encode import EncoderOptions
     from snhc.reference_impl.face.epf_text import read_epf
@@ -109,8 +169,8 @@ def command(
     from snhc.reference_impl.systems.stream import write_stream
 
     with Output(common.output, common.keep_partial) as out:
-        with open_binary(file) as stream:
-            faps = read_fap(stream, strict=common.strict, limits=common.limits)
+        with text:
+            faps = read_fap(text, strict=common.strict, limits=common.limits)
         parameters = bodies = None
         findings = faps.findings
         if epf is not None:

@@ -40,7 +40,7 @@ def command(check: bool, suite: Path | None, common: Common) -> None:
             lines = lines or ["the suite is what the recipes make"]
         else:
             files = generate(folder)
-            vectors = sum(name.endswith(".fba") for name in files)
+            vectors = sum(not name.endswith((".ndjson", ".json")) for name in files)
             lines = [f"{vectors} vectors, {len(files)} files with {MANIFEST_NAME} in {folder}"]
     except RecipeFault as error:
         failed = True

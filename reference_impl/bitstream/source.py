@@ -97,6 +97,10 @@ class PipeSource(Source):
             self._pull(self._have + _PIPE_CHUNK)
         return self._have
 
+    def __del__(self) -> None:
+        # The spool is the source's own: left to the collector it would warn of a file that nobody closed.
+        self._spool.close()
+
 
 def open_source(file: BinaryIO) -> Source:
     """A source for an open binary file: by position where it is a regular file, else spooled. Rules: CNF-22."""

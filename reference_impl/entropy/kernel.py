@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import Final
 
 from ..bitstream.cursor import MASKS, SEGMENT_BYTES, BitCursor, OutOfBits
+from ..bitstream.errors import EncodeError
 from ..bitstream.sink import BitSink
 from .model import MAX_FREQUENCY, Model
 
@@ -44,11 +45,19 @@ def first_bad_guard(start: int, end: int, guards: list[int], values: list[int]) 
     return -1
 
 
-def decode_segment(cursor: BitCursor, models: list[Model]) -> tuple[list[int], int]:
+def segment_tail(low: int, value: int) -> int:
+    """How the last two data bits of a segment differ from those that an encoder sends (01 or 10), as numbers.
+
+    Rules: FBA-26, FBA-43. `low`, `value`: the coder's registers at the end of the segment.
+    """
+    return (value >> 14) - (1 if low < 0x4000 else 2)
+
+
+def decode_segment(cursor: BitCursor, models: list[Model]) -> tuple[list[int], int, int]:
     """Decode one segment: a level per model; P models adapt.
 
-    Rules: FBA-21..27. Leaves the cursor at the end of the segment. Returns the levels and the position of the first
-    bad guard (-1: none). Raises OutOfBits where the segment ends past the data.
+    Rules: FBA-21..27. Leaves the cursor at the end of the segment. Returns the levels, the position of the first
+    bad guard (-1: none) and the tail (`segment_tail`). Raises OutOfBits where the segment ends past the data.
     """
     cursor.ensure(SEGMENT_BYTES)
     start = cursor.tell()
@@ -179,19 +188,22 @@ def decode_segment(cursor: BitCursor, models: list[Model]) -> tuple[list[int], i
     if end - base > cursor.limit << 3:
         raise OutOfBits
     cursor.seek(end)
-    if guards:
-        return levels, first_bad_guard(start, end, guards, guard_values)
-    return levels, -1
+    bad_guard = first_bad_guard(start, end, guards, guard_values) if guards else -1
+    return levels, bad_guard, segment_tail(low, value)
 
 
-def encode_segment(sink: BitSink, models: list[Model], levels: list[int]) -> None:
+def encode_segment(sink: BitSink, models: list[Model], levels: list[int], tail: int = 0) -> None:
     """Encode one segment; P models adapt. Each level must lie in its model. Rules: FBA-21..26."""
-    code, count = segment_code(models, levels)
+    code, count = segment_code(models, levels, tail)
     write_guarded(sink, code, count)
 
 
-def segment_code(models: list[Model], levels: list[int]) -> tuple[int, int]:
-    """The data bits of a segment, without guards, as (number, count of bits). Rules: FBA-21..24, FBA-26."""
+def segment_code(models: list[Model], levels: list[int], tail: int = 0) -> tuple[int, int]:
+    """The data bits of a segment, without guards, as (number, count of bits).
+
+    Rules: FBA-21..24, FBA-26. `tail`: what is added to the last two bits, to write an odd segment back as it was;
+    raises EncodeError where no bits behind such an end could decode to these levels.
+    """
     low = 0
     high = 0xFFFF
     pending = 0
@@ -235,11 +247,14 @@ def segment_code(models: list[Model], levels: list[int]) -> tuple[int, int]:
             high = 0x8000 | ((high << m) & 0x7FFF) | MASKS[m]
             pending += m
     pending += 1
+    quarter = (1 if low < 0x4000 else 2) + tail
+    if quarter < low >> 14 or quarter > high >> 14:
+        raise EncodeError("FBA-26", "tail of the segment", value=tail, allowed="0, or what was read with these levels")
     if low < 0x4000:
         code = (code << (pending + 1)) | ((1 << pending) - 1)
     else:
         code = (code << (pending + 1)) | (1 << pending)
-    return code, count + pending + 1
+    return code + tail, count + pending + 1
 
 
 def write_guarded(sink: BitSink, code: int, count: int, guard: int = 1) -> None:

@@ -50,13 +50,15 @@ class SymbolStep:
 class SegmentTrace:
     """A decoded segment: its steps, guards and end.
 
-    Rules: FBA-25, FBA-26. `guards`: (absolute bit position, value) of the guards before the end position.
+    Rules: FBA-25, FBA-26. `guards`: (absolute bit position, value) of the guards before the end position. `tail`:
+    how the last two data bits differ from an encoder's, 0 normally.
     """
 
     start: int
     end: int
     steps: tuple[SymbolStep, ...]
     guards: tuple[tuple[int, int], ...]
+    tail: int = 0
 
 
 class LiteralDecoder:
@@ -160,7 +162,9 @@ class LiteralDecoder:
             raise OutOfBits
         self._cursor.seek(end)
         guards = tuple((position, value) for position, value in self._guards if position < end)
-        return SegmentTrace(self._start, end, tuple(steps), guards)
+        # An encoder ends on 01 where low lies below the first quarter, else on 10 (FBA-26).
+        wanted = 0b01 if self._low < Q1 else 0b10
+        return SegmentTrace(self._start, end, tuple(steps), guards, self._code_value // Q1 - wanted)
 
 
 def _smallest(cum: list[int], c: int) -> int:

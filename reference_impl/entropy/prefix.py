@@ -131,6 +131,10 @@ class PrefixTable:
             raise EncodeError(self.rule, f"{self.name} symbol", value=symbol, allowed="a symbol of the table")
         return found
 
+    def bits_of(self, symbol: int) -> int:
+        """The length of the word of a symbol. Rules: DCT-1, CNF-21. Raises `EncodeError` as `encode`."""
+        return self.encode(symbol)[1]
+
     def __contains__(self, symbol: object) -> bool:
         return symbol in self._codes
 

@@ -75,6 +75,11 @@ class EntropyProfile:
         """Whether dumps and reports must say "provisional entropy tables". Rules: DCT-1."""
         return bool(self.provisional_tables)
 
+    @property
+    def label(self) -> str:
+        """The name as headers, dumps and reports show it: `P1 (provisional entropy tables)`. Rules: DCT-1."""
+        return f"{self.name} (provisional entropy tables)" if self.provisional else self.name
+
 
 def load_profile(folder: Path | None = None) -> EntropyProfile:
     """Load and check an entropy profile.

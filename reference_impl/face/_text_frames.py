@@ -125,9 +125,7 @@ class FrameTextReader:
         if _VERSION.fullmatch(version) is None or (
             self.layout.versions and version != b"2.1" and version.decode() not in self.layout.versions
         ):
-            allowed = (
-                ", ".join(sorted({"2.1", *self.layout.versions})) if self.layout.versions else "digits.digits"
-            )
+            allowed = ", ".join(sorted({"2.1", *self.layout.versions})) if self.layout.versions else "digits.digits"
             lines.fault(start, "version", version, allowed)
         if len(tokens) < 4:
             lines.fault(start, "header of fewer than four fields", raw, "version name fps nframes")
@@ -231,9 +229,7 @@ class FrameTextReader:
             lines.fault(at, f"values of frame {shown_number(tokens[0])}", b"%d" % read, expected=expected)
         number = lines.integer(lines.position(0), "frame number", tokens[0], 0)
         if number <= self.number:
-            lines.fault(
-                lines.position(0), "frame number", tokens[0], f"above {self.number}", InconsistentSemantics
-            )
+            lines.fault(lines.position(0), "frame number", tokens[0], f"above {self.number}", InconsistentSemantics)
         if self.number < 0 and number > 0:
             lines.note("text-first-frame-one", lines.position(0), str(number))
         self.number = number
@@ -268,9 +264,7 @@ class FrameTextReader:
 def check_collected(read: int, line: int, limits: Limits) -> None:
     """Refuse to keep more frames than the limit. Rules: CNF-22. Raises `ResourceLimit`."""
     if read >= limits.collected_planes:
-        raise ResourceLimit(
-            "CNF-22", "frames kept", allowed=f"at most {limits.collected_planes}", line=line, column=1
-        )
+        raise ResourceLimit("CNF-22", "frames kept", allowed=f"at most {limits.collected_planes}", line=line, column=1)
 
 
 def shown_number(token: bytes) -> str:
@@ -296,9 +290,7 @@ def header_line(rule: str, name: str, frame_rate: Fraction, nframes: int, commen
     try:
         return "".join(rows).encode("utf-8")
     except UnicodeEncodeError:
-        raise EncodeError(
-            rule, "name or comment with a lone surrogate", allowed="Unicode text", path="name"
-        ) from None
+        raise EncodeError(rule, "name or comment with a lone surrogate", allowed="Unicode text", path="name") from None
 
 
 def check_frame(

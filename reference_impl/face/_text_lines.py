@@ -223,9 +223,7 @@ class TextLines:
                 text += f" ({detail})"
             if count > 1:
                 text += f", {count} times"
-            out.append(
-                Finding(name, severity, "FBA-53" if name == "text-295-columns" else "FBA-51", text, line=line)
-            )
+            out.append(Finding(name, severity, "FBA-53" if name == "text-295-columns" else "FBA-51", text, line=line))
         return sorted(out, key=lambda finding: finding.line or 0)
 
     def fault(
@@ -253,9 +251,7 @@ class TextLines:
         """Refuse control characters. Rules: FBA-50. Raises `InputFormat`."""
         match = _CONTROL.search(self.raw)
         if match is not None:
-            self.fault(
-                match.start(), "control character", match.group(), "printable characters, blanks, tabs"
-            )
+            self.fault(match.start(), "control character", match.group(), "printable characters, blanks, tabs")
 
     def integer(self, position: int, what: str, token: bytes, lo: int = INT_MIN, hi: int = INT_MAX) -> int:
         """An integer token in lo..hi. Rules: FBA-50, CNF-7. Raises `InputFormat`, `RangeViolation`."""

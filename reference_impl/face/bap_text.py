@@ -63,9 +63,7 @@ class BapReader(FrameTextReader):
     Rules: FBA-53, FBA-51, CNF-22, CNF-25. Arguments, attributes and errors: `FapReader`.
     """
 
-    def __init__(
-        self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS
-    ) -> None:
+    def __init__(self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS) -> None:
         super().__init__(stream, _LAYOUT, strict, limits)
 
     def __iter__(self) -> Iterator[BapTextFrame]:

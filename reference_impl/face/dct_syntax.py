@@ -24,11 +24,13 @@ WIDE: Final = -32768
 
 DC: Final = Element("dc", "DCT-2")
 DC_WIDE: Final = Element("dc_escape", "DCT-2")
-DC_DIFFERENCE: Final = Element("dc_difference", "DCT-3", meaning={DC_ESCAPE: "escape"})
+# What traces show of a word is its symbol: what people want to see is what it stands for.
+_SIGNED: Final = {symbol: str(symbol - OFFSET) for symbol in range(2 * OFFSET)}
+DC_DIFFERENCE: Final = Element("dc_difference", "DCT-3", meaning={**_SIGNED, DC_ESCAPE: "escape"})
 DC_DIFFERENCE_16: Final = Element("dc_difference_escape", "DCT-3")
 DC_DIFFERENCE_WIDE: Final = Element("dc_difference_escape_wide", "DCT-3")
 RUN: Final = Element("run", "DCT-4", meaning={END_OF_SEGMENT: "end of the segment"})
-AC: Final = Element("ac", "DCT-4", meaning={AC_ESCAPE: "escape"})
+AC: Final = Element("ac", "DCT-4", meaning={**_SIGNED, AC_ESCAPE: "escape"})
 AC_16: Final = Element("ac_escape", "DCT-4")
 AC_WIDE: Final = Element("ac_escape_wide", "DCT-4")
 VISEME_DEF: Final = Element("viseme_def", "DCT-9")
@@ -49,7 +51,8 @@ class _Field:
 
     def __init__(self, name: str, rule: str, bits: int, largest: int, table: str, offset: int) -> None:
         self.first = Element(name, rule)
-        self.difference = Element(f"{name}_difference", rule)
+        meaning = {symbol: str(symbol - offset) for symbol in range(2 * offset + 1)}
+        self.difference = Element(f"{name}_difference", rule, meaning=meaning)
         self.bits = bits
         self.largest = largest
         self.table = table
@@ -222,14 +225,15 @@ def _ac(io: SyntaxIO, profile: EntropyProfile, run: CoefficientRun) -> None:
     k = 0
     i = 0
     reading = io.reading
+    table = profile.runlength
     while k < SEGMENT - 1:
-        start = io.tell()
         more = i < len(run.runs)
-        step = io.vlc(RUN, profile.runlength, run.runs[i] if not reading and more else END_OF_SEGMENT)
+        step = io.vlc(RUN, table, run.runs[i] if not reading and more else END_OF_SEGMENT)
         if step == END_OF_SEGMENT:
             return
         k += step + 1
-        io.require(k < SEGMENT, _RUN_PAST_END, step, start, io.tell())
+        if k >= SEGMENT:
+            io.require(False, _RUN_PAST_END, step, io.tell() - table.bits_of(step), io.tell())
         if reading:
             run.runs.append(step)
             run.levels.append(0)
@@ -242,18 +246,18 @@ def _ac(io: SyntaxIO, profile: EntropyProfile, run: CoefficientRun) -> None:
     io.require(reading or i == len(run.runs), _RUN_PAST_END, len(run.runs), io.tell(), io.tell())
     if io.readings.end_after_last == "sent":
         start = io.tell()
-        step = io.vlc(RUN, profile.runlength, END_OF_SEGMENT)
+        step = io.vlc(RUN, table, END_OF_SEGMENT)
         io.require(step == END_OF_SEGMENT, _RUN_PAST_END, step, start, io.tell())
 
 
 def _coefficient(io: SyntaxIO, profile: EntropyProfile, run: CoefficientRun, i: int) -> None:
-    start = io.tell()
     escape = run.escapes[i]
     symbol = io.vlc(AC, profile.ac, AC_ESCAPE if escape else run.levels[i] + OFFSET)
     if symbol != AC_ESCAPE:
         run.escapes[i] = 0
         run.levels[i] = symbol - OFFSET
         return
+    start = io.tell() - profile.ac.bits_of(AC_ESCAPE)
     value = io.s(AC_16, 16, WIDE if escape == 2 else run.levels[i])
     run.escapes[i] = 1
     held = -256 <= value <= 255

@@ -79,6 +79,7 @@ class DctReading:
 FOLLOWED: Final = DctReading()
 
 
+@cache
 def ac_step(fap: int, fap_quant: int) -> Fraction:
     """Step size of the AC coefficients, in FAP units, exact.
 
@@ -174,7 +175,13 @@ def reconstruct_values(coefficients: Sequence[int], step: Fraction, reading: Dct
 
     Rules: DCT-5, DCT-6, DCT-7. Arguments and errors as `inverse_transform`.
     """
-    return tuple([round_half_away(value) for value in inverse_transform(coefficients, step, reading)])
+    out: list[int] = []
+    for value in inverse_transform(coefficients, step, reading):
+        # `round_half_away`, without the call.
+        whole = int(value)
+        rest = value - whole
+        out.append(whole + 1 if rest >= 0.5 else whole - 1 if rest <= -0.5 else whole)
+    return tuple(out)
 
 
 def inverse_transforms(

@@ -127,9 +127,7 @@ class EpfReader:
     line and column.
     """
 
-    def __init__(
-        self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS
-    ) -> None:
+    def __init__(self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS) -> None:
         self._lines = TextLines(stream, "FBA-52", strict, limits.text_line_bytes)
         self._skip_limit = limits.skipped_frames
         self._tokens: list[bytes] = []
@@ -196,9 +194,7 @@ class EpfReader:
             self._count(3)
             value = (self._int(1, "rate", 0, 255), self._int(2, "seconds", 0, 15), self._int(3, "ntsc", 0, 1))
             if value[0] == 0 and value[1] == 0:
-                self._lines.fault(
-                    self._starts[1], "frame rate", b"0", "above 0", ForbiddenValue, rule="FBA-37"
-                )
+                self._lines.fault(self._starts[1], "frame rate", b"0", "above 0", ForbiddenValue, rule="FBA-37")
         elif kind == "time":
             self._count(4)
             hours = self._int(1, "time_code_hours", 0, 23, ForbiddenValue, "FBA-7")
@@ -275,9 +271,7 @@ class EpfReader:
         read = len(self._tokens) - 1
         if read not in counts:
             at = self._starts[max(counts) + 1] if read > max(counts) else len(self._lines.raw.rstrip(b" \t"))
-            self._lines.fault(
-                at, f"limits {name}", b"%d" % read, expected=" or ".join(str(n) for n in counts)
-            )
+            self._lines.fault(at, f"limits {name}", b"%d" % read, expected=" or ".join(str(n) for n in counts))
         out: list[int] = []
         for i in range(1, len(self._tokens)):
             # Outward, so that no value the file allows is lost.
@@ -301,9 +295,7 @@ class EpfReader:
         read = len(self._tokens) - 1
         if read != fields:
             at = self._starts[fields + 1] if read > fields else len(self._lines.raw.rstrip(b" \t"))
-            self._lines.fault(
-                at, f"fields of {self._tokens[0].decode('ascii')}", b"%d" % read, expected=fields
-            )
+            self._lines.fault(at, f"fields of {self._tokens[0].decode('ascii')}", b"%d" % read, expected=fields)
 
     def _short(self, what: str, expected: int) -> None:
         self._lines.fault(len(self._lines.raw.rstrip(b" \t")), what, b"", expected=expected)
@@ -313,9 +305,7 @@ class EpfReader:
         self._lines.fault(self._starts[index], what, token, kind=InconsistentSemantics)
 
 
-def read_epf(
-    stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS
-) -> EncoderParameters:
+def read_epf(stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS) -> EncoderParameters:
     """Read a whole `.epf` text.
 
     Rules: FBA-52, FBA-51, CNF-22. Arguments and errors: `EpfReader`; more than `limits.collected_planes`
@@ -402,7 +392,5 @@ def write_epf(parameters: EncoderParameters) -> Iterator[bytes]:
                 expected=error.expected,
             ) from error
         if back != block:
-            raise EncodeError(
-                "FBA-52", "parameters that no text holds", allowed="what read_epf can give", path=path
-            )
+            raise EncodeError("FBA-52", "parameters that no text holds", allowed="what read_epf can give", path=path)
         yield texts[i]

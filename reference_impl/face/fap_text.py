@@ -108,9 +108,7 @@ class FapReader(FrameTextReader):
     and column.
     """
 
-    def __init__(
-        self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS
-    ) -> None:
+    def __init__(self, stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS) -> None:
         self._domains = _domains()
         super().__init__(stream, _LAYOUT, strict, limits)
 
@@ -208,9 +206,7 @@ def fap_frame(frame: FapTextFrame, previous: int = -1, path: str = "frame") -> b
     domains = _domains()
     for index, (names, group) in enumerate(((_VISEME, frame.viseme), (_EXPRESSION, frame.expression))):
         where = f"{path}.{'expression' if index else 'viseme'}"
-        if (group is not None) != (frame.mask[index] == 1) or (
-            group is not None and len(group) != len(names)
-        ):
+        if (group is not None) != (frame.mask[index] == 1) or (group is not None and len(group) != len(names)):
             raise EncodeError(
                 "FBA-50",
                 f"FAP {index + 1}",

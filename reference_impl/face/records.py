@@ -24,12 +24,13 @@ class ParameterData:
     (per list, by parameter number, the 5-bit v; only selected parameters count; empty where no list was sent).
     Every plane: `levels` (of the selected parameters in coding order; FAPs: 3..68), and for FAP 1 `viseme` (3 levels)
     and `viseme_def`, for FAP 2 `expression` (4 levels), `init_face`, `expression_def`. With coding type 1 `segment`
-    instead.
+    instead. `tails`: how the last two data bits of the viseme, expression and FAP or BAP segment differ from an
+    encoder's, 0 for all that encoders make.
     """
 
     __slots__ = (
         "coding_type", "expression", "expression_def", "gender", "group_mask", "init_face", "levels", "limits",
-        "mask_type", "new", "quant", "segment", "viseme", "viseme_def",
+        "mask_type", "new", "quant", "segment", "tails", "viseme", "viseme_def",
     )  # fmt: skip
 
     def __init__(self, groups: int) -> None:
@@ -47,6 +48,7 @@ class ParameterData:
         self.init_face = 0
         self.expression_def = 0
         self.segment: SegmentData | None = None
+        self.tails = [0, 0, 0]
 
 
 @final

@@ -122,7 +122,7 @@ class FaceState:
     __slots__ = (
         "_baps", "clock", "dct_dc", "dct_expression", "dct_viseme", "expression", "faps", "gender", "has_expression",
         "has_viseme", "high_i_models", "high_p_models", "index", "letters_with_data", "letters_without", "readings",
-        "seen_expression", "seen_viseme", "shown", "viseme",
+        "seen_dct", "seen_expression", "seen_viseme", "shown", "viseme",
     )  # fmt: skip
 
     def __init__(self, readings: Readings) -> None:
@@ -139,6 +139,7 @@ class FaceState:
         self.viseme = [0, 0, 0, 0]
         self.expression = [0, 0, 0, 0, 0, 0]
         # Predictors of DCT segments: values of the last instant, quantised DC by FAP (DCT-3, DCT-9, DCT-11).
+        self.seen_dct = False
         self.dct_viseme = [0, 0, 0]
         self.dct_expression = [0, 0, 0, 0]
         self.dct_dc = [0] * 69

@@ -16,6 +16,7 @@ from ..bitstream.errors import (
     Unsupported,
 )
 from ..bitstream.startcodes import DRAFT_OBJECT, DRAFT_PLANE, FBA_OBJECT, FBA_OBJECT_PLANE
+from ..entropy.model import Model
 from ..syntax.base import BARE_CODE, END, PLANE, STUFFED_CODE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from ..syntax.element import Element, Fault, Step
 from ..syntax.temporal import temporal_header
@@ -275,6 +276,7 @@ def fap_levels(io: SyntaxIO, state: FaceState, data: ParameterData, is_intra: in
     if state.faps.coding_type != ARITHMETIC:
         if data.segment is None:
             data.segment = SegmentData()
+        start = io.tell()
         dct_segment(
             io,
             data.segment,
@@ -283,22 +285,37 @@ def fap_levels(io: SyntaxIO, state: FaceState, data: ParameterData, is_intra: in
             state.dct_viseme if state.has_viseme else None,
             state.dct_expression if state.has_expression else None,
         )
+        if io.profile.provisional and not state.seen_dct:
+            message = f"entropy profile {io.profile.name}: {', '.join(io.profile.provisional_tables)} are provisional"
+            io.finding("provisional-tables", message, start, io.tell())
+        state.seen_dct = True
         return
     high = state.high_i_models if is_intra else state.high_p_models
     if state.has_viseme:
         start = io.tell()
-        data.viseme = io.segment(VISEME_SEGMENT, high[:3], VISEME_LABELS, data.viseme)
+        data.viseme = _segment(io, VISEME_SEGMENT, high[:3], VISEME_LABELS, data.viseme, data.tails, 0)
         _check_high_level(io, state, data.viseme, 0, is_intra, start)
         data.viseme_def = io.u(VISEME_DEF, 1, data.viseme_def)
     if state.has_expression:
         start = io.tell()
-        data.expression = io.segment(EXPRESSION_SEGMENT, high[3:], EXPRESSION_LABELS, data.expression)
+        data.expression = _segment(io, EXPRESSION_SEGMENT, high[3:], EXPRESSION_LABELS, data.expression, data.tails, 1)
         _check_high_level(io, state, data.expression, 3, is_intra, start)
         data.init_face = io.u(INIT_FACE, 1, data.init_face)
         data.expression_def = io.u(EXPRESSION_DEF, 1, data.expression_def)
     faps = state.faps
     models = faps.i_models if is_intra else faps.p_models
-    data.levels = io.segment(FAP_SEGMENT, models, faps.labels, data.levels)
+    data.levels = _segment(io, FAP_SEGMENT, models, faps.labels, data.levels, data.tails, 2)
+
+
+def _segment(
+    io: SyntaxIO, el: Element, models: list[Model], labels: list[str], levels: list[int], tails: list[int], which: int
+) -> list[int]:
+    start = io.tell()
+    levels = io.segment(el, models, labels, levels, tails[which])
+    tails[which] = io.tail
+    if io.tail:
+        io.finding("segment-end", "the segment does not end as an encoder ends it", start, io.tell())
+    return levels
 
 
 def _check_high_level(io: SyntaxIO, state: FaceState, levels: list[int], first: int, is_intra: int, start: int) -> None:
@@ -331,7 +348,7 @@ def bap_data(io: SyntaxIO, state: ParameterState, data: ParameterData, is_intra:
         state.set_ranges(data, io.readings)
         state.has_intra = True
     models = state.i_models if is_intra else state.p_models
-    data.levels = io.segment(BAP_SEGMENT, models, state.labels, data.levels)
+    data.levels = _segment(io, BAP_SEGMENT, models, state.labels, data.levels, data.tails, 2)
 
 
 def is_fba_object(io: SyntaxIO, code: int) -> bool:

@@ -29,6 +29,8 @@ from snhc.reference_impl.mesh.uniform import (
 Picture = NDArray[Any]
 
 MACROBLOCK: Final = 16
+MAX_STEP: Final = 2047  # half pixels between nodes that follow each other: MSH-5
+MAX_NODE0: Final = 4096
 _MAX_BOUNDARY_NODES: Final = 1023
 _MAX_NODES: Final = 65535
 _MAX_PICTURE_SIDE: Final = 8191  # 16382 half pixels: MSH-24
@@ -122,6 +124,30 @@ def _outline(mask: NDArray[np.bool_], tolerance: float) -> list[tuple[int, int]]
     raise EncodeError("MSH-23", "mask", value="outline", allowed="a shape of more than a few pixels")
 
 
+def _reachable(outline: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The same outline from the node nearest the origin on, long edges divided: steps that the syntax can hold."""
+    first = min(range(len(outline)), key=lambda k: (max(abs(outline[k][0]), abs(outline[k][1])), k))
+    if max(abs(outline[0][0]), abs(outline[0][1])) < MAX_NODE0:
+        first = 0
+    nodes = outline[first:] + outline[:first]
+    out: list[tuple[int, int]] = []
+    for (x, y), (next_x, next_y) in zip(nodes, nodes[1:] + nodes[:1], strict=True):
+        size = max(abs(next_x - x), abs(next_y - y))
+        parts = -(-size // MAX_STEP)
+        out += [(x + (next_x - x) * k // parts, y + (next_y - y) * k // parts) for k in range(parts)]
+    if len(out) > _MAX_BOUNDARY_NODES or first_fault([p[0] for p in out], [p[1] for p in out], len(out)) is not None:
+        raise EncodeError("MSH-5", "outline", value="long edges", allowed=f"edges within {MAX_STEP} half pixels")
+    return out
+
+
+def _ordered(nodes: list[tuple[int, int]], last: tuple[int, int]) -> list[tuple[int, int]]:
+    """Interior nodes in an order whose steps the syntax can hold: as they are, else in bands to and fro."""
+    if all(max(abs(b[0] - a[0]), abs(b[1] - a[1])) <= MAX_STEP for a, b in zip([last, *nodes], nodes, strict=False)):
+        return nodes
+    band = MAX_STEP // 2
+    return sorted(nodes, key=lambda p: (p[1] // band, p[0] if p[1] // band % 2 == last[1] // band % 2 else -p[0], p[1]))
+
+
 def _salient_nodes(
     picture: Picture, mask: NDArray[np.bool_], outline: list[tuple[int, int]], count: int, spacing: float
 ) -> list[tuple[int, int]]:
@@ -179,8 +205,8 @@ def content_based_design(
         raise EncodeError("MSH-23", "interior nodes", value=interior_nodes, allowed="0..64512")
     if not (spacing >= 1 and tolerance > 0):
         raise EncodeError("MSH-23", "spacing, tolerance", value=f"{spacing}, {tolerance}", allowed=">= 1, above 0")
-    outline = _outline(inside, tolerance)
-    nodes = outline + _salient_nodes(picture, inside, outline, interior_nodes, spacing)
+    outline = _reachable(_outline(inside, tolerance))
+    nodes = outline + _ordered(_salient_nodes(picture, inside, outline, interior_nodes, spacing), outline[-1])
     xs = [p[0] for p in nodes]
     ys = [p[1] for p in nodes]
     topology = traverse(xs, ys, delaunay_triangles(xs, ys, len(outline)))

@@ -39,6 +39,7 @@ def draw_mesh(
     order: bool = False,
     labels: bool = False,
     previous: tuple[Sequence[int], Sequence[int]] | None = None,
+    bounds: tuple[int, int, int, int] | None = None,
 ) -> Image.Image:
     """A wireframe picture of a mesh.
 
@@ -46,8 +47,8 @@ def draw_mesh(
 
     `xs`, `ys`: positions in half pixels. `scale`: picture pixels per half pixel, above 0. `order`: triangles
     coloured by their label, nodes with their place in the traversal. `labels`: node numbers instead of
-    places. `previous`: positions of the plane before; motion vectors are drawn from there. Raises
-    RangeViolation, ResourceLimit.
+    places. `previous`: positions of the plane before; motion vectors are drawn from there. `bounds`: least x, least
+    y, greatest x, greatest y that the picture shows, None: what it needs. Raises RangeViolation, ResourceLimit.
     """
     from PIL import Image, ImageDraw
 
@@ -55,10 +56,9 @@ def draw_mesh(
         raise RangeViolation("MSH-21", "scale", value=str(scale), allowed="above 0")
     all_xs = [*xs, *(previous[0] if previous else ())] or [0]
     all_ys = [*ys, *(previous[1] if previous else ())] or [0]
-    left = min(all_xs)
-    top = min(all_ys)
-    width = round((max(all_xs) - left) * scale) + 2 * _MARGIN
-    height = round((max(all_ys) - top) * scale) + 2 * _MARGIN
+    left, top, right, bottom = bounds or (min(all_xs), min(all_ys), max(all_xs), max(all_ys))
+    width = round((right - left) * scale) + 2 * _MARGIN
+    height = round((bottom - top) * scale) + 2 * _MARGIN
     if width * height > _MAX_PIXELS:
         raise ResourceLimit("MSH-21", "pixels", value=width * height, allowed=f"up to {_MAX_PIXELS}: a smaller scale")
 

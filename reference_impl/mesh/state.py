@@ -23,16 +23,18 @@ class MeshState:
 
     Rules: MSH-3, MSH-16, FBA-38.
 
-    `xs`, `ys`: positions in half pixels by node number. `vx`, `vy`: the vectors of the last motion plane.
+    `xs`, `ys`: positions in half pixels by node number; `nodes`: the same for frames, so that planes without data
+    share them. `vx`, `vy`: the vectors of the last motion plane.
     """
 
-    __slots__ = ("clock", "index", "readings", "topology", "vx", "vy", "xs", "ys")
+    __slots__ = ("clock", "index", "nodes", "readings", "topology", "vx", "vy", "xs", "ys")
 
     def __init__(self, readings: Readings) -> None:
         self.readings = readings
         self.clock = Clock()
         self.index = 0
         self.topology: MeshTopology | None = None
+        self.nodes: tuple[tuple[int, int], ...] = ()
         self.xs: list[int] = []
         self.ys: list[int] = []
         self.vx: list[int] = []
@@ -64,7 +66,8 @@ def reconstruct_mesh(state: MeshState, plane: MeshPlane) -> list[MeshFrame]:
     if plane.geometry is not None and state.topology is not None:
         triangles = tuple(state.topology.triangles)
         order = tuple(state.topology.order)
-    nodes = tuple(zip(state.xs, state.ys, strict=True))
-    frame = MeshFrame(state.index, time, bool(plane.is_intra), nodes, triangles, order)
+    if plane.motion is not None or plane.geometry is not None:
+        state.nodes = tuple(zip(state.xs, state.ys, strict=True))
+    frame = MeshFrame(state.index, time, bool(plane.is_intra), state.nodes, triangles, order)
     state.index += 1
     return [frame]

@@ -10,6 +10,7 @@ from functools import cache
 from typing import Final
 
 from ..bitstream.errors import (
+    EncodeError,
     ForbiddenValue,
     InconsistentSemantics,
     RangeViolation,
@@ -132,7 +133,7 @@ def _next_plane(io: SyntaxIO, obj: MeshObject, plane: MeshPlane | None) -> bool:
     """Whether a plane follows at this byte; else the object has ended well, or is at fault."""
     if io.at_end(plane is None and not obj.padding):
         return False
-    code = io.next_code(MESH_OBJECT_PLANE if plane is not None else 0)
+    code = io.next_code(MESH_OBJECT_PLANE if plane is not None else -1 if obj.padding else 0)
     if code == MESH_OBJECT_PLANE:
         return True
     if code < 0:
@@ -193,8 +194,9 @@ def mesh_object_plane(io: SyntaxIO, state: MeshState, plane: MeshPlane) -> None:
         if plane.geometry is None:
             plane.geometry = MeshGeometry()
         io.enter(AT_GEOMETRY, -1)
-        mesh_geometry(io, plane.geometry)
-        state.set_geometry(plane.geometry)
+        # After a faulty geometry the faulty writer goes on with the mesh before it.
+        if mesh_geometry(io, plane.geometry):
+            state.set_geometry(plane.geometry)
         io.leave()
     elif plane.mesh_mask:
         if plane.motion is None:
@@ -205,16 +207,19 @@ def mesh_object_plane(io: SyntaxIO, state: MeshState, plane: MeshPlane) -> None:
     plane.end = io.tell()
 
 
-def mesh_geometry(io: SyntaxIO, geometry: MeshGeometry) -> None:
-    """`mesh_geometry()`. Rules: MSH-11, MSH-30..39."""
+def mesh_geometry(io: SyntaxIO, geometry: MeshGeometry) -> bool:
+    """`mesh_geometry()`; whether it makes a mesh, which machines that refuse faults need not ask.
+
+    Rules: MSH-11, MSH-30..39.
+    """
     start = io.tell()
     geometry.type = io.u(MESH_TYPE_CODE, 2, geometry.type)
     io.require(geometry.type != 0, _TYPE_0, geometry.type, start, start + 2)
     io.require(geometry.type != 3, _TYPE_3, geometry.type, start, start + 2)
     if geometry.type == UNIFORM:
         _uniform(io, geometry)
-    elif geometry.type == DELAUNAY:
-        _delaunay(io, geometry)
+        return True
+    return geometry.type == DELAUNAY and _delaunay(io, geometry)
 
 
 def _uniform(io: SyntaxIO, geometry: MeshGeometry) -> None:
@@ -234,7 +239,7 @@ def _check_count(io: SyntaxIO, count: int, limit: int, start: int) -> None:
         io.require(False, fault, count, start, io.tell())
 
 
-def _delaunay(io: SyntaxIO, geometry: MeshGeometry) -> None:
+def _delaunay(io: SyntaxIO, geometry: MeshGeometry) -> bool:
     start = io.tell()
     count = io.u(NR_OF_MESH_NODES, 16, len(geometry.xs))
     _check_count(io, count, io.limits.mesh_nodes_delaunay, start)
@@ -246,17 +251,21 @@ def _delaunay(io: SyntaxIO, geometry: MeshGeometry) -> None:
     io.marker(MARKER)
     spans: list[tuple[int, int]] = []
     try:
-        _nodes(io, geometry, count, spans)
+        in_range = _nodes(io, geometry, count, spans)
     except SnhcError:
         # A fault of the polygon further up comes first in the stream.
+        io.leave()
         _check_polygon(io, geometry, spans)
         raise
-    _check_polygon(io, geometry, spans)
+    return _check_polygon(io, geometry, spans) and in_range
 
 
-def _nodes(io: SyntaxIO, geometry: MeshGeometry, count: int, spans: list[tuple[int, int]]) -> None:
+def _nodes(io: SyntaxIO, geometry: MeshGeometry, count: int, spans: list[tuple[int, int]]) -> bool:
+    """Whether all nodes are in range; only the faulty writer gets to hear that they are not."""
+    in_range = True
     xs, ys = geometry.xs, geometry.ys
     reading = io.reading
+    io.enter(AT_NODE, 0)
     start = io.tell()
     x = io.s(NODE0_X, 13, 0 if reading else xs[0])
     io.marker(MARKER)
@@ -266,6 +275,7 @@ def _nodes(io: SyntaxIO, geometry: MeshGeometry, count: int, spans: list[tuple[i
         xs.append(x)
         ys.append(y)
     io.marker(MARKER)
+    io.leave()
     for n in range(1, count):
         io.enter(AT_NODE, n)
         start = io.tell()
@@ -273,11 +283,13 @@ def _nodes(io: SyntaxIO, geometry: MeshGeometry, count: int, spans: list[tuple[i
         y += _delta(io, DELTA_Y_LEN, DELTA_Y, 0 if reading else ys[n] - y)
         if not (NODE_MIN <= x <= NODE_MAX and NODE_MIN <= y <= NODE_MAX):
             io.require(False, _NODE_RANGE, f"({x}, {y})", start, io.tell())
+            in_range = False
         spans.append((start, io.tell()))
         if reading:
             xs.append(x)
             ys.append(y)
         io.leave()
+    return in_range
 
 
 def _delta(io: SyntaxIO, length_element: Element, element: Element, value: int) -> int:
@@ -289,25 +301,33 @@ def _delta(io: SyntaxIO, length_element: Element, element: Element, value: int) 
     return code if code >> (length - 1) else code - lowest
 
 
-def _check_polygon(io: SyntaxIO, geometry: MeshGeometry, spans: list[tuple[int, int]]) -> None:
+def _check_polygon(io: SyntaxIO, geometry: MeshGeometry, spans: list[tuple[int, int]]) -> bool:
+    """Whether the nodes make a mesh; only the faulty writer gets to hear that they do not."""
     if len(geometry.xs) < 2:
-        return
+        return False
     fault = first_fault(geometry.xs, geometry.ys, geometry.boundary_count)
     if fault is None:
-        return
+        return True
     broken = Fault(
         InconsistentSemantics, "MSH-11", f"node {fault.node}", f"a simple polygon around the nodes, not a {fault.kind}"
     )
     x, y = geometry.xs[fault.node], geometry.ys[fault.node]
     first, last = spans[fault.node] if fault.node < len(spans) else (io.tell(), io.tell())
+    io.enter(AT_NODE, fault.node)
     io.require(False, broken, f"({x}, {y})", first, last)
+    io.leave()
+    return False
 
 
 def mesh_motion(io: SyntaxIO, state: MeshState, motion: MeshMotion) -> None:
-    """`mesh_motion()`: a vector per node, in traversal order. Rules: MSH-12..15, MSH-24, MSH-40, MSH-41."""
+    """`mesh_motion()`: a vector per node, in traversal order. Rules: MSH-12..15, MSH-21, MSH-24, MSH-40, MSH-41."""
     motion.range_code = io.u(MOTION_RANGE_CODE, 3, motion.range_code)
     topology = state.topology
-    assert topology is not None
+    if topology is None:
+        return  # only the faulty writer: there is no mesh to move
+    vectors = Fault(EncodeError, "MSH-21", "number of vectors", f"{len(topology.order)}")
+    if not io.reading:
+        io.require(len(motion.codes) == len(topology.order), vectors, len(motion.codes), io.tell(), io.tell())
     range_code = motion.range_code
     xs, ys = state.xs, state.ys
     vx = [0] * len(xs)

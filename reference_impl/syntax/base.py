@@ -42,6 +42,7 @@ class SyntaxIO:
         self._indices: list[int] = []
         # Whether values come from bits (reader, tracer) or from records (writers).
         self.reading = False
+        self.tail = 0
         self.draft = False
         self.strict = False
 
@@ -71,8 +72,11 @@ class SyntaxIO:
         """A symbol of a prefix code. Rules: DCT-1, MSH-5, CNF-26."""
         raise NotImplementedError
 
-    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
-        """A whole arithmetic segment: a level per model. Rules: FBA-26, FBA-28. `labels`: what each symbol is."""
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
+        """A whole arithmetic segment: a level per model. Rules: FBA-26, FBA-28. `labels`: what each symbol is.
+
+        `tail`: how the last two data bits differ from an encoder's; what was read or written is then in `self.tail`.
+        """
         raise NotImplementedError
 
     def raw(self, el: Element, count: int, v: bytes) -> bytes:

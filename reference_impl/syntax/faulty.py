@@ -107,12 +107,13 @@ class FaultyWriter(Writer):
                 self._cut(start, mutation)
         return symbol if mutation is not None and mutation.mode == "value" else v
 
-    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         mutation = self._hit(el)
         start = self.sink.tell()
         # Levels outside their model cannot be coded at all, whatever is to be broken.
         self._check_levels(el, models, labels, v)
-        code, count = segment_code(models, v)
+        code, count = segment_code(models, v, tail)
+        self.tail = tail
         if mutation is not None and mutation.mode == "tail":
             code ^= 3
         if mutation is not None and mutation.mode == "guard":

@@ -68,6 +68,11 @@ class Reader(SyntaxIO):
         cursor = self.cursor
         found = table.lookup(cursor.look(table.max_length))
         length = found & LENGTH_MASK
+        # Loaded bits are bits of the data; near its end nothing may be loaded.
+        left = cursor.left - length
+        if found and left >= 0:
+            cursor.left = left
+            return found >> LENGTH_BITS
         if not found or not cursor.has(length):
             raise self._no_word(el, table)
         cursor.read(length)
@@ -84,10 +89,10 @@ class Reader(SyntaxIO):
             bits=(start, start + left), path=self.path(),
         )  # fmt: skip
 
-    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         start = self.cursor.tell()
         try:
-            levels, bad_guard = decode_segment(self.cursor, models)
+            levels, bad_guard, self.tail = decode_segment(self.cursor, models)
         except OutOfBits:
             raise self._truncated(el, start, "FBA-27") from None
         if bad_guard >= 0:

@@ -155,7 +155,7 @@ class Tracer(Reader):
         self._row(el, start, self.cursor.tell(), symbol)
         return symbol
 
-    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         start = self.cursor.tell()
         try:
             segment = decode_literally(self.cursor, models)
@@ -164,6 +164,7 @@ class Tracer(Reader):
         for position, value in segment.guards:
             if not value:
                 raise self._bad_guard(position)
+        self.tail = segment.tail
         self.trace.segments[len(self.trace)] = (segment, labels)
         self._row(el, start, segment.end, len(models))
         return [step.level for step in segment.steps]

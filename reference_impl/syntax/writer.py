@@ -67,9 +67,10 @@ class Writer(SyntaxIO):
         self.sink.write(code, length)
         return v
 
-    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> list[int]:
+    def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         self._check_levels(el, models, labels, v)
-        encode_segment(self.sink, models, v)
+        encode_segment(self.sink, models, v, tail)
+        self.tail = tail
         return v
 
     def _check_levels(self, el: Element, models: list[Model], labels: list[str], v: list[int]) -> None:

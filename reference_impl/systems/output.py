@@ -1,7 +1,8 @@
-"""Decoded planes as files: NDJSON, CSV, `.fap` text, npz. The formats are described in docs/formats.md.
+"""Decoded planes as files: NDJSON, CSV, npz, `.fap` text for faces, mesh formats for meshes.
 
-Rules: CNF-1 (NDJSON, faces and meshes), CNF-22 (frames collected), CNF-25 (CSV and npz are this project's), FBA-54
-(`.fap`).
+The forms are described in docs/formats.md and docs/formats-mesh.md.
+
+Rules: CNF-1 (NDJSON), CNF-22 (frames collected), CNF-25 (CSV, npz, mesh formats are this project's), FBA-54 (`.fap`).
 Not here: FITted frames and vertices (CNF-2).
 
 Every writer takes planes one by one and passes whole lines on; NDJSON and CSV keep nothing.
@@ -14,7 +15,7 @@ import tempfile
 from array import array
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from ..bitstream.errors import EncodeError, ResourceLimit
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
@@ -23,6 +24,7 @@ from ..face.fap_text import FapTextFrame, fap_frame, fap_header
 from ..face.frames import FaceFrame
 from ..face.records import FbaPlane
 from ..mesh.decoded import mesh_line
+from ..mesh.output import MODEL_FORMATS, MeshArrays, ModelFrames, csv_header, csv_rows
 from ..mesh.records import MeshFrame
 from ..syntax.element import DEFAULT_READINGS, Readings
 from ..syntax.temporal import Clock
@@ -52,7 +54,10 @@ class FrameWriter:
     Rules: CNF-1, FBA-54.
 
     `write`: takes pieces of whole lines. `most`: frames to write at most, None for all; `full` tells when they are.
+    `KINDS`: the kinds of objects that the format can hold.
     """
+
+    KINDS: ClassVar[tuple[str, ...]] = ("fba", "mesh")
 
     def __init__(self, write: Write, most: int | None = None) -> None:
         self._write = write
@@ -69,10 +74,11 @@ class FrameWriter:
 
         Raises EncodeError where the format has no form for the kind.
         """
-        if kind != "fba":
+        if kind not in self.KINDS:
             raise EncodeError(
-                "CNF-25", "kind of the object", value=kind, allowed="fba in this format; ndjson takes all"
-            )
+                "CNF-25", "kind of the object", value=kind,
+                allowed=f"{', '.join(self.KINDS)} in this format; ndjson takes all",
+            )  # fmt: skip
 
     def plane(self, plane: AnyPlane) -> None:
         """The frames of one plane. Rules: CNF-1."""
@@ -109,15 +115,19 @@ class NdjsonWriter(FrameWriter):
 
 
 class CsvWriter(FrameWriter):
-    """One row per frame, the columns of CSV_COLUMNS; an empty cell where NDJSON has null. Rules: CNF-1, CNF-25."""
+    """Faces: one row per frame, the columns of CSV_COLUMNS; an empty cell where NDJSON has null. Meshes: one per node.
+
+    Rules: CNF-1, CNF-25.
+    """
 
     def begin(self, kind: str) -> None:
         super().begin(kind)
-        self._write((",".join(CSV_COLUMNS) + "\n").encode())
+        header = csv_header() if kind == "mesh" else ",".join(CSV_COLUMNS) + "\n"
+        self._write(header.encode())
 
     def frame(self, frame: FaceFrame | MeshFrame) -> None:
-        assert isinstance(frame, FaceFrame)
-        self._write((csv_row(frame) + "\n").encode())
+        rows = csv_rows(frame) if isinstance(frame, MeshFrame) else csv_row(frame) + "\n"
+        self._write(rows.encode())
 
 
 def csv_row(frame: FaceFrame) -> str:
@@ -197,6 +207,8 @@ class FapWriter(FrameWriter):
     Rules: FBA-54, FBA-50. Raises EncodeError for a value outside 32 bits.
     """
 
+    KINDS = ("fba",)
+
     def __init__(
         self, write: Write, most: int | None = None, readings: Readings = DEFAULT_READINGS, name: str = ""
     ) -> None:
@@ -261,9 +273,18 @@ class NpzWriter(FrameWriter):
         }  # fmt: skip
         self._state = bytearray()
         self._baps: dict[int, dict[int, int]] = {}
+        self._meshes: MeshArrays | None = None
+
+    def begin(self, kind: str) -> None:
+        super().begin(kind)
+        if kind == "mesh":
+            self._meshes = MeshArrays(self._readings, self._limits)
 
     def frame(self, frame: FaceFrame | MeshFrame) -> None:
-        assert isinstance(frame, FaceFrame)
+        if isinstance(frame, MeshFrame):
+            assert self._meshes is not None
+            self._meshes.add(frame)
+            return
         if self.frames >= self._limits.collected_planes:
             raise ResourceLimit(
                 "CNF-22", "frames kept", value=self.frames + 1, allowed=f"at most {self._limits.collected_planes}"
@@ -288,6 +309,9 @@ class NpzWriter(FrameWriter):
             self._baps[self.frames] = frame.baps
 
     def end(self) -> None:
+        if self._meshes is not None:
+            self._meshes.write(self._write)
+            return
         import numpy as np
 
         count = self.frames
@@ -318,8 +342,47 @@ class NpzWriter(FrameWriter):
                 self._write(chunk)
 
 
-FORMATS: Final = ("ndjson", "fap", "csv", "npz")
-SUFFIXES: Final = {".ndjson": "ndjson", ".jsonl": "ndjson", ".fap": "fap", ".csv": "csv", ".npz": "npz"}
+# -- mesh formats ------------------------------------------------------------------------------------------------------
+
+
+class ModelWriter(FrameWriter):
+    """Meshes in a mesh format: the first frame that has one, or every such frame as a file of its own.
+
+    Rules: CNF-25, MSH-16. `each`: takes the number of a frame and its file; None: the first goes to `write`. Frames
+    without a mesh are not counted.
+    """
+
+    KINDS = ("mesh",)
+
+    def __init__(
+        self, write: Write, most: int | None, format: str, each: Callable[[int, bytes], None] | None = None
+    ) -> None:
+        super().__init__(write, most if each is not None else 1)
+        self._format = format
+        self._each = each
+        self._models = ModelFrames()
+
+    def plane(self, plane: AnyPlane) -> None:
+        for frame in plane.frames:
+            assert isinstance(frame, MeshFrame)
+            model = None if self.full else self._models.model(frame, self._format)
+            if model is not None:
+                if self._each is None:
+                    self._write(model)
+                else:
+                    self._each(frame.index, model)
+                self.frames += 1
+
+    def end(self) -> None:
+        if not self.frames:
+            raise EncodeError("CNF-25", "frames with a mesh", value=0, allowed="1 or more")
+
+
+FORMATS: Final = ("ndjson", "fap", "csv", "npz", *MODEL_FORMATS)
+SUFFIXES: Final = {
+    ".ndjson": "ndjson", ".jsonl": "ndjson", ".fap": "fap", ".csv": "csv", ".npz": "npz",
+    **{f".{name}": name for name in MODEL_FORMATS},
+}  # fmt: skip
 
 
 def frame_writer(
@@ -330,13 +393,19 @@ def frame_writer(
     readings: Readings = DEFAULT_READINGS,
     limits: Limits = DEFAULT_LIMITS,
     name: str = "",
+    each: Callable[[int, bytes], None] | None = None,
 ) -> FrameWriter:
-    """The writer of a format of FORMATS. Rules: CNF-1, FBA-54. `name`: of the sequence, for `.fap`."""
+    """The writer of a format of FORMATS. Rules: CNF-1, CNF-25, FBA-54.
+
+    `name`: of the sequence, for `.fap`. `each`: as in `ModelWriter`.
+    """
     if format == "ndjson":
         return NdjsonWriter(write, most, readings)
     if format == "csv":
         return CsvWriter(write, most)
     if format == "fap":
         return FapWriter(write, most, readings, name)
+    if format in MODEL_FORMATS:
+        return ModelWriter(write, most, format, each)
     assert format == "npz", format
     return NpzWriter(write, most, readings, limits)

@@ -7,10 +7,15 @@ from collections.abc import Callable
 
 import numpy as np
 
+from snhc.reference_impl.entropy.profile import load_profile
 from snhc.reference_impl.face.coefficients import decode_document, parse_document
 from snhc.reference_impl.face.dct_encode import quantise_segment, run_levels
+from snhc.reference_impl.face.dct_syntax import CoefficientRun
 from snhc.reference_impl.face.dct_transform import ac_step, inverse_transforms, reconstruct_values
-from snhc.reference_impl.entropy.profile import load_profile
+from snhc.reference_impl.systems.stream import decode_planes, write_stream
+from snhc.vectors.builders import stream
+from snhc.vectors.dct_builders import coefficients, dct_inter, dct_intra
+from snhc.vectors.seeded import Seeded
 
 SPARSE = [70, -12, 5, 0, 2, 0, 0, -1] + [0] * 8
 DENSE = [70, -12, 5, 3, 2, 7, -1, -1, 4, 3, -2, 1, 1, -1, 2, 1]
@@ -52,3 +57,31 @@ def test_document_of_10_segments_with_20_faps(benchmark: Callable[..., object]) 
     segments = [{"intra": i == 0, "coefficients": coefficients} for i in range(10)]
     data = json.dumps({"fap_quant": 8, "segments": segments})
     benchmark(lambda: sum(1 for _ in decode_document(parse_document(data))))
+
+
+def _segment(seeded: Seeded, is_intra: bool) -> dict[int, CoefficientRun]:
+    faps = {}
+    for fap in range(3, 69):
+        # About 2.7 of 15 AC coefficients, fewer and fewer at high indices.
+        ac = {
+            k: (-1) ** seeded.between(0, 1) * seeded.between(1, 6)
+            for k in range(1, 16)
+            if not seeded.between(0, k // 2 + 2)
+        }
+        faps[fap] = coefficients(seeded.between(-40, 40), ac, is_intra=is_intra)
+    return faps
+
+
+def test_decode_stream_of_20000_coefficients(benchmark: Callable[..., object]) -> None:
+    """The goal is 0.3 million coefficients that are sent (DC and AC) per second, all steps of decoding included."""
+    seeded = Seeded(1)
+    first = dct_intra(_segment(seeded, True), types=dict.fromkeys(range(2, 11), 3))
+    planes = [first]
+    count = 0
+    while count < 20_000:
+        planes.append(dct_inter(first, _segment(seeded, False)))
+        assert planes[-1].faps is not None and planes[-1].faps.segment is not None
+        count += sum(1 + len(run.levels) for run in planes[-1].faps.segment.runs)
+    data = write_stream(stream(*planes))
+    benchmark.extra_info["coefficients"] = count  # type: ignore[attr-defined]
+    benchmark(lambda: sum(1 for _ in decode_planes(data)))

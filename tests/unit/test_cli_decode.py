@@ -55,12 +55,12 @@ def test_samples_decode_to_their_lines(tmp_path: Path) -> None:
             assert wanted.items() <= line.items()
 
 
-def test_meshes_decode_too_but_to_ndjson_only() -> None:
+def test_meshes_decode_too_but_not_to_fap() -> None:
     mesh = str(SAMPLES.parent / "mesh" / "mesh-11-00000" / "input.m2d")
     header, first, *_ = lines_of(run("decode", mesh))
     assert header["kind"] == "mesh"
     assert first["nodes"]
-    result = run("decode", mesh, "--format", "csv")
+    result = run("decode", mesh, "--format", "fap")
     assert result.exit_code == 3
     assert result.stdout == ""
 

@@ -268,6 +268,7 @@ def test_right_iris_must_agree() -> None:
 
 def test_checks_without_points_are_not_made() -> None:
     assert check_locations(FaceDefinition({}), tolerance=1.0) == []
+    assert check_locations(FaceDefinition({"7.1": (50, 0, 0)}), tolerance=1.0) == []
     assert check_neutral(FaceDefinition({}), tolerance=1.0) == []
     with pytest.raises(SnhcError):
         check_locations(FaceDefinition({}))

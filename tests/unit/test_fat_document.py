@@ -209,6 +209,16 @@ def test_text_form_findings() -> None:
     assert document.tables[0].transforms[0].field == "rotation"
 
 
+def test_two_definitions_leave_the_choice_to_field_id() -> None:
+    both = TABLE.replace("fieldId 4 rotationDef 0 1 0 1", "fieldId 7 scaleDef 2 2 2 translationDef 1 2 3")
+    document, findings = parse_fat_text(both + SCENE, UNITS)
+    assert (document.tables[0].transforms[0].field, document.tables[0].transforms[0].definition) == (
+        "translation",
+        (1, 2, 3),
+    )
+    assert [finding.id for finding in findings] == ["field-id-guessed"]
+
+
 def test_text_form_of_an_fdp_takes_units_from_the_feature_points() -> None:
     points = ", ".join(f"{i} {i * i} 0" for i in range(84))
     text = f"FDP {{ featurePointsCoord Coordinate {{ point [ {points} ] }} faceDefTables [ {TABLE} ] "

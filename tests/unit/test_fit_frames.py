@@ -107,8 +107,9 @@ def test_stream_fault(text: str | bytes, error_class: str, line: int, path: str)
 def test_a_line_of_exactly_the_limit_is_read() -> None:
     line = json.dumps(GOOD)
     assert len(read(HEADER + line + "\r\n" + line, limit=len(line))) == 2
-    with pytest.raises(SnhcError):
+    with pytest.raises(SnhcError) as caught:
         read(HEADER + line + "\r\n", limit=len(line) - 1)
+    assert caught.value.error_class == "ResourceLimit"
 
 
 def test_lines_out() -> None:

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.documents.bt_text import tokens
+from snhc.reference_impl.documents.json_text import parse_json
 from snhc.reference_impl.interpolation.fit import fit_from_json, fit_to_fields, load_fit, parse_fit_json
 from snhc.reference_impl.interpolation.fit_text import fit_text, parse_fit_text
 
@@ -126,6 +128,16 @@ def test_text_that_is_not_json(text: bytes, line: int, column: int) -> None:
     with pytest.raises(SnhcError) as caught:
         parse_fit_json(text)
     assert (caught.value.error_class, caught.value.line, caught.value.column) == ("InputFormat", line, column)
+
+
+def test_document_size_limit() -> None:
+    assert parse_json(b"[1]", rule="FIT-9", what="document", limit=3) == [1]
+    with pytest.raises(SnhcError) as caught:
+        parse_json(b"[12]", rule="FIT-9", what="document", limit=3)
+    assert (caught.value.error_class, caught.value.rule) == ("ResourceLimit", "CNF-22")
+    with pytest.raises(SnhcError) as caught:
+        list(tokens("FIT { }", limit=6))
+    assert (caught.value.error_class, caught.value.rule) == ("ResourceLimit", "CNF-22")
 
 
 def test_document_that_is_not_an_object() -> None:

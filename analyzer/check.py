@@ -1,0 +1,150 @@
+"""Checks of an input: its findings. What kind of input it is, its content tells.
+
+Rules: CNF-2 (recognised by content), CNF-23, FAC-1, FAC-2, FAC-3, FAC-7, FAT-11, FIT-9.
+Not here: profiles, policies.
+
+    JSON with `points`                 face definition: locations, neutral face, missing points
+    JSON with `tables` or `meshes`     model with face animation tables
+    JSON with FIT field names          FAP interpolation table
+    text `g.n x y z m.v`               face definition
+    text with a `.fap` header          FAP text
+    anything else                      a stream: what its decoding finds, and negative values of unidirectional FAPs
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import BinaryIO, Final
+
+from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.findings import Finding
+from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
+from snhc.reference_impl.bitstream.source import open_source
+from snhc.reference_impl.face.frames import FaceFrame
+from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_planes
+
+Report = Callable[[Finding], None]
+
+_HEAD_BYTES: Final = 4096
+_NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_FDP_LINE: Final = re.compile(
+    rf"[1-9]\d?\.[1-9]\d?[\s,]+{_NUMBER}[\s,]+{_NUMBER}[\s,]+{_NUMBER}(?:[\s,]+-?\d+\.-?\d+)?\s*"
+)
+_FAP_LINE: Final = re.compile(r"\d+\.\d+\s+\S+\s+\d\S*\s+\d+\s*")
+_PROPERTIES: Final = {"points": "face", "tables": "model", "meshes": "model", "FAPs": "fit", "Graph": "fit"}
+
+
+@dataclass(frozen=True, slots=True)
+class CheckOptions:
+    """What a check may be told.
+
+    Rules: CNF-23. `tolerance`: of places of feature points in model units, None: 2 % of ES0. `stream`: how a stream is
+    read.
+    """
+
+    tolerance: float | None = None
+    stream: Options = DEFAULT_OPTIONS
+    limits: Limits = DEFAULT_LIMITS
+    strict: bool = False
+
+
+DEFAULT_CHECK: Final = CheckOptions()
+
+
+def kind_of_text(data: bytes) -> str:
+    """`json`, `fdp`, `fap`, or `stream` for all else, by the first bytes of an input. Rules: CNF-2."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if data.lstrip()[:1] == b"{":
+        return "json"
+    if b"\0" in data:
+        return "stream"
+    for line in data.decode("latin-1").splitlines():
+        text = line.partition("#")[0].strip()
+        if text:
+            return "fdp" if _FDP_LINE.fullmatch(text) else "fap" if _FAP_LINE.fullmatch(text) else "stream"
+    return "stream"
+
+
+def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAULT_CHECK) -> str:
+    """Report all findings of an input; returns what it is: `face`, `model`, `fit`, `fap` or `stream`.
+
+    Rules: CNF-2, CNF-23. `stream`: opened in binary mode, with `peek` where it cannot go back. Raises what reading it
+    raises.
+    """
+    peek = getattr(stream, "peek", None)
+    head = peek(_HEAD_BYTES) if peek is not None else stream.read(_HEAD_BYTES)
+    if peek is None:
+        stream.seek(0)
+    kind = kind_of_text(head)
+    if kind == "json":
+        return _check_json(stream.read(options.limits.json_bytes + 1), report, options)
+    if kind == "fdp":
+        from snhc.reference_impl.model.face_definition import parse_fdp
+
+        definition, findings = parse_fdp(stream.read())
+        for finding in (*findings, *_face_findings(definition, options)):
+            report(finding)
+        return "face"
+    if kind == "fap":
+        from snhc.reference_impl.face.fap_text import read_fap
+
+        for finding in read_fap(stream, strict=options.strict, limits=options.limits).findings:
+            report(finding)
+        return "fap"
+    _check_stream(stream, report, options)
+    return "stream"
+
+
+def _check_json(data: bytes, report: Report, options: CheckOptions) -> str:
+    from snhc.reference_impl.documents.json_text import as_object, parse_json
+
+    root = as_object(parse_json(data, rule="CNF-2", what="document", limit=options.limits.json_bytes), "", "CNF-2")
+    kind = next((kind for key, kind in _PROPERTIES.items() if key in root), "")
+    if not kind:
+        raise InputFormat(
+            "CNF-2", "document", value=", ".join(list(root)[:5])[:60], allowed=f"one of {', '.join(_PROPERTIES)}"
+        )
+    if kind == "face":
+        from snhc.reference_impl.model.face_definition import face_definition_from_json
+
+        for finding in _face_findings(face_definition_from_json(root), options):
+            report(finding)
+    elif kind == "model":
+        from snhc.reference_impl.model.fat_json import fat_from_json
+
+        fat_from_json(root, max_vertices=options.limits.fat_vertices)
+    else:
+        from snhc.reference_impl.interpolation.fit_table import fit_from_json
+
+        fit_from_json(root, max_sets=options.limits.fit_sets, max_links=options.limits.fit_links)
+    return kind
+
+
+def _face_findings(definition: object, options: CheckOptions) -> Iterator[Finding]:
+    from snhc.reference_impl.model.face_checks import check_locations, check_neutral, missing_points
+    from snhc.reference_impl.model.face_definition import FaceDefinition
+
+    assert isinstance(definition, FaceDefinition)
+    missing = missing_points(definition)
+    if missing:
+        names = ", ".join(missing[:12]) + (", ..." if len(missing) > 12 else "")
+        text = f"{len(missing)} of 84 points are not given: {names}"
+        yield Finding("face-point-missing", "info", "FAC-2", text, path="points")
+    reading = options.stream.readings.chosen.get("AMB-FAC-1", "anatomy")
+    for check in check_locations(definition, tolerance=options.tolerance, reading=reading):
+        yield check.finding
+    for check in check_neutral(definition, tolerance=options.tolerance):
+        yield check.finding
+
+
+def _check_stream(stream: BinaryIO, report: Report, options: CheckOptions) -> None:
+    from snhc.reference_impl.model.feature_motion import unidirectional_findings
+
+    for plane in decode_planes(open_source(stream), options.stream, report):
+        for frame in plane.frames:
+            if isinstance(frame, FaceFrame):
+                sent = [v if s == "T" else None for v, s in zip(frame.faps, frame.state, strict=True)]
+                for finding in unidirectional_findings(sent, frame.index):
+                    report(finding)

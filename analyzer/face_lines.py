@@ -1,0 +1,143 @@
+"""Frames through FIT, symmetry and a face model, as NDJSON lines.
+
+Rules: CNF-1, CNF-2, CNF-24, CNF-25, FIT-4..8, FAT-2..9, FAC-6.
+
+Lines that are complete before a fault are passed on before it is raised: blocks are computed at once, but a fault in
+one does not take the frames before it away.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
+from snhc.reference_impl.face.decoded import frame_line
+from snhc.reference_impl.face.frames import FaceFrame as DecodedFrame
+from snhc.reference_impl.interpolation.fit import FitReadings, apply_symmetry, load_fit
+from snhc.reference_impl.interpolation.fit_bulk import BLOCK_FRAMES, evaluate_sequence
+from snhc.reference_impl.interpolation.fit_table import FitTable
+from snhc.reference_impl.interpolation.frames_json import (
+    FaceFrame,
+    LineStream,
+    faces_line,
+    header_line,
+    read_frames,
+    vertices_line,
+)
+from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
+
+from .face_scene import FaceModel, exact_vertices, fat_readings
+
+
+class Faults:
+    """Passes frames on and keeps the fault that ends them until `check`. Rules: CNF-19, CNF-25."""
+
+    def __init__(self, frames: Iterable[FaceFrame]) -> None:
+        self._frames = frames
+        self.fault: SnhcError | None = None
+
+    def __iter__(self) -> Iterator[FaceFrame]:
+        try:
+            yield from self._frames
+        except SnhcError as fault:
+            self.fault = fault
+
+    def check(self) -> None:
+        """Raise what ended the frames, if it was a fault. Rules: CNF-25."""
+        if self.fault is not None:
+            raise self.fault
+
+
+def fit_readings(readings: Readings = DEFAULT_READINGS) -> FitReadings:
+    """The readings of the FIT rules as they were chosen. Rules: CNF-24 (AMB-FIT-1, AMB-FIT-2, AMB-FIT-3)."""
+    get = readings.chosen.get
+    return FitReadings(get("AMB-FIT-1", "from-0"), get("AMB-FIT-2", "next-nearest"), get("AMB-FIT-3", "topological"))
+
+
+def load_table(name: str, readings: Readings = DEFAULT_READINGS, limits: Limits = DEFAULT_LIMITS) -> FitTable:
+    """A FIT from a file of either form. Rules: FIT-1, FIT-9, CNF-22. Raises as `load_fit`."""
+    return load_fit(Path(name), fit_readings(readings), max_sets=limits.fit_sets, max_links=limits.fit_links)
+
+
+def decoded_frames(frames: Iterable[DecodedFrame]) -> Iterator[FaceFrame]:
+    """Decoded frames in the form that FIT works on. Rules: CNF-1."""
+    for frame in frames:
+        yield FaceFrame(
+            frame.index,
+            f"{frame.time[0]}/{frame.time[1]}",
+            frame.intra,
+            frame.faps,
+            None if frame.viseme is None else frame.viseme[:3],
+            None if frame.expression is None else frame.expression[:4],
+            frame.state,
+            json.loads(frame_line(frame)),
+        )
+
+
+def interpolated(
+    frames: Iterable[FaceFrame],
+    table: FitTable | None,
+    symmetry: bool = False,
+    readings: Readings = DEFAULT_READINGS,
+    block: int = BLOCK_FRAMES,
+) -> Iterator[FaceFrame]:
+    """Frames after FIT (state F), and by symmetry (state S) where asked for.
+
+    Rules: FIT-4..8. `table`: None for no FIT. `block`: frames that are held; 1 passes each on at once.
+    """
+    kept = Faults(frames)
+    filled: Iterable[FaceFrame] = kept
+    if table is not None:
+        filled = evaluate_sequence(table, kept, fit_readings(readings), block=block)
+    for frame in filled:
+        yield apply_symmetry(frame) if symmetry else frame
+    kept.check()
+
+
+Line = Callable[[FaceFrame], str]
+
+
+def vertex_lines(model: FaceModel, readings: Readings = DEFAULT_READINGS) -> Line:
+    """A function that gives the CNF-2 line of a frame: all vertices by the literal evaluation.
+
+    Rules: CNF-2, FAT-2..9, FAC-6.
+    """
+    chosen = fat_readings(readings)
+    return lambda frame: vertices_line(frame, exact_vertices(model, frame, chosen))
+
+
+def lines(frames: Iterable[FaceFrame], kind: str, line: Line, readings: Readings = DEFAULT_READINGS) -> Iterator[str]:
+    """The header and a line per frame, each with its newline.
+
+    Rules: CNF-1, CNF-2, CNF-24. `kind`: `faces` or `vertices`. Nothing comes before it is known that there are frames
+    to read.
+    """
+    kept = Faults(frames)
+    header = header_line(kind, readings.chosen) + "\n"
+    begun = False
+    for frame in kept:
+        if not begun:
+            yield header
+            begun = True
+        yield line(frame) + "\n"
+    # Not even a header line that could be read: there is no stream to name the kind of.
+    if not begun and (kept.fault is None or (kept.fault.line or 1) > 1):
+        yield header
+    kept.check()
+
+
+def face_lines(
+    stream: LineStream, table: FitTable, symmetry: bool, readings: Readings, limits: Limits, block: int = BLOCK_FRAMES
+) -> Iterator[str]:
+    """What `snhc fit` prints. Rules: CNF-2, FIT-4..8."""
+    frames = read_frames(stream, limit=limits.text_line_bytes)
+    yield from lines(interpolated(frames, table, symmetry, readings, block), "faces", faces_line, readings)
+
+
+def mesh_lines(stream: LineStream, model: FaceModel, readings: Readings, limits: Limits) -> Iterator[str]:
+    """What `snhc fat` prints. Rules: CNF-2, FAT-2..9."""
+    frames = read_frames(stream, limit=limits.text_line_bytes)
+    yield from lines(frames, "vertices", vertex_lines(model, readings), readings)

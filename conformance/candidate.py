@@ -1,0 +1,161 @@
+"""Reading what a decoder printed: CNF-1 lines, CSV rows, `.fap` text. Nothing of it is trusted.
+
+Rules: CNF-1, CNF-9, CNF-25.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Mapping
+from typing import Any, Final
+
+from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.face.decoded import EXPRESSION_KEYS, VERSION, VISEME_KEYS
+from snhc.reference_impl.face.fap_text import FapReader, FapTextFrame
+from snhc.reference_impl.systems.output import CSV_COLUMNS
+
+Frame = Mapping[str, Any]
+
+_FAPS: Final = 68
+_TIME: Final = re.compile(r"-?[0-9]{1,30}/[1-9][0-9]{0,30}")
+_STATE: Final = re.compile(r"[TRIUFS]{68}")
+_INTEGER: Final = re.compile(r"-?[0-9]{1,20}")
+
+
+class Malformed(Exception):
+    """The output has not the form that the adapter claims. Rules: CNF-1, CNF-9."""
+
+
+def _lines(text: bytes) -> list[str]:
+    try:
+        decoded = text.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise Malformed(f"output is not UTF-8 (byte {error.start})") from error
+    if not decoded:
+        raise Malformed("no output")
+    lines = decoded.split("\n")
+    if lines[-1] == "":
+        lines.pop()
+    return lines
+
+
+def _object(line: str, number: int) -> dict[str, Any]:
+    def constant(word: str) -> None:
+        raise Malformed(f"line {number}: {word} is no JSON number")
+
+    try:
+        value = json.loads(line, parse_constant=constant)
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"line {number} is no JSON: {line[:60]!r}") from error
+    if not isinstance(value, dict):
+        raise Malformed(f"line {number} is no JSON object: {line[:60]!r}")
+    return value
+
+
+def ndjson(text: bytes) -> list[Frame]:
+    """The frames of a face stream in CNF-1. Rules: CNF-1. Raises Malformed."""
+    lines = _lines(text)
+    header = _object(lines[0], 1)
+    if header.get("format") != "snhc-decoded" or header.get("kind") != "fba":
+        raise Malformed(f"line 1 is no snhc-decoded header of kind fba: {lines[0][:80]!r}")
+    if header.get("version") != VERSION:
+        raise Malformed(f"snhc-decoded version {header.get('version')!r}, known is {VERSION}")
+    frames: list[Frame] = []
+    for number, line in enumerate(lines[1:], 2):
+        frame = _object(line, number)
+        fault = _frame_fault(frame)
+        if fault:
+            raise Malformed(f"line {number}: {fault}")
+        frames.append(frame)
+    return frames
+
+
+def _is_integer(value: object) -> bool:
+    return type(value) is int
+
+
+def _frame_fault(frame: Mapping[str, Any]) -> str:
+    missing = [key for key in ("index", "time", "intra", "faps", "viseme", "expression", "state") if key not in frame]
+    if missing:
+        return f"no {', '.join(missing)}"
+    if not _is_integer(frame["index"]):
+        return f"index is {frame['index']!r}, not an integer"
+    if not isinstance(frame["time"], str) or not _TIME.fullmatch(frame["time"]):
+        return f'time is {frame["time"]!r}, not "p/q"'
+    if not isinstance(frame["intra"], bool):
+        return f"intra is {frame['intra']!r}, not true or false"
+    faps = frame["faps"]
+    if not isinstance(faps, list) or len(faps) != _FAPS:
+        return "faps is not a list of 68"
+    for number, value in enumerate(faps, 1):
+        if value is not None and not _is_integer(value):
+            return f"FAP {number} is {value!r}, neither integer nor null"
+    for name, keys in (("viseme", VISEME_KEYS), ("expression", EXPRESSION_KEYS)):
+        value = frame[name]
+        if value is not None and not (isinstance(value, dict) and all(_is_integer(value.get(key)) for key in keys)):
+            return f"{name} is not null, nor integers {', '.join(keys)}"
+    if not isinstance(frame["state"], str) or not _STATE.fullmatch(frame["state"]):
+        return "state is not 68 letters"
+    return ""
+
+
+def csv_rows(text: bytes) -> list[Frame]:
+    """The frames of a face stream in this project's CSV. Rules: CNF-25. Raises Malformed."""
+    try:
+        rows = list(csv.reader(_lines(text)))
+    except csv.Error as error:
+        raise Malformed(f"output is no CSV: {error}") from error
+    if tuple(rows[0]) != CSV_COLUMNS:
+        raise Malformed("line 1 is not the row of column names")
+    frames: list[Frame] = []
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(CSV_COLUMNS):
+            raise Malformed(f"line {number}: {len(row)} cells, {len(CSV_COLUMNS)} columns")
+        cells = dict(zip(CSV_COLUMNS, row, strict=True))
+        frame = _csv_frame(cells, number)
+        fault = _frame_fault(frame)
+        if fault:
+            raise Malformed(f"line {number}: {fault}")
+        frames.append(frame)
+    return frames
+
+
+def _csv_frame(cells: Mapping[str, str], number: int) -> Frame:
+    def cell(column: str) -> int | None:
+        text = cells[column]
+        if text and not _INTEGER.fullmatch(text):
+            raise Malformed(f"line {number}: {column} is {text!r}, not an integer")
+        return int(text) if text else None
+
+    def group(name: str, keys: tuple[str, ...]) -> dict[str, int | None] | None:
+        values = {key: cell(f"{name}_{key}") for key in keys}
+        return None if all(value is None for value in values.values()) else values
+
+    frame: dict[str, Any] = {
+        "index": cell("index"), "time": cells["time"], "intra": {"0": False, "1": True}.get(cells["intra"]),
+        "faps": [None, None, *(cell(f"fap_{fap}") for fap in range(3, _FAPS + 1))],
+        "viseme": group("viseme", VISEME_KEYS), "expression": group("expression", EXPRESSION_KEYS),
+        "state": cells["state"],
+    }  # fmt: skip
+    for name in ("gender", "coding_type", "fap_quant"):
+        if cells[name]:
+            frame[name] = cell(name)
+    if cells["baps"]:
+        pairs = [pair.partition(":") for pair in cells["baps"].split(" ")]
+        if not all(_INTEGER.fullmatch(number_) and _INTEGER.fullmatch(value) for number_, _, value in pairs):
+            raise Malformed(f"line {number}: baps is {cells['baps'][:40]!r}, not number:value pairs")
+        frame["baps"] = {number_: int(value) for number_, _, value in pairs}
+    return frame
+
+
+def fap_text(text: bytes) -> list[FapTextFrame]:
+    """The frames of a `.fap` text. Rules: FBA-50. Raises Malformed."""
+    if not text:
+        raise Malformed("no output")
+    try:
+        return list(FapReader(io.BytesIO(text)))
+    except SnhcError as error:
+        raise Malformed(f"output is no .fap text: {error}") from error

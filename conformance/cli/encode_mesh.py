@@ -1,0 +1,101 @@
+"""The mesh side of `snhc encode`: documents and pictures.
+
+Rules: CNF-1, CNF-19, CNF-22, MSH-23.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from .common import Common, Output, open_binary
+from .extras import needs_view
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from snhc.reference_impl.systems.visual import StreamItem
+
+HEAD: Final = 16
+_PICTURES: Final = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*", b"P5", b"P6")
+
+
+@dataclass(frozen=True, slots=True)
+class MeshOptions:
+    """What the verb says about meshes; see its help. Rules: CNF-19."""
+
+    rate: Fraction | None
+    far: str
+    design: str
+    mask: str | None
+    interior_nodes: int
+    spacing: float
+    search: int
+    profile: int | None
+    end_code: bool
+
+
+def kind_of(head: bytes) -> str:
+    """What an input is by its first bytes: `pictures`, `document`, or else `fap`. Rules: CNF-19."""
+    if head.startswith(_PICTURES) or (head[:4] == b"RIFF" and head[8:12] == b"WEBP"):
+        return "pictures"
+    return "document" if head.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{") else "fap"
+
+
+def encode_meshes(kind: str, first: bytes, files: Sequence[str], options: MeshOptions, common: Common) -> None:
+    """Encode a mesh document, or pictures of which `first` is the first. Rules: CNF-19, MSH-23."""
+    from snhc.reference_impl.systems.stream import write_stream
+
+    with Output(common.output, common.keep_partial) as out:
+        items = _document(first, options, common) if kind == "document" else _pictures(first, files, options, common)
+        out.write(write_stream(items))
+
+
+def _document(data: bytes, options: MeshOptions, common: Common) -> list[StreamItem]:
+    from snhc.reference_impl.mesh.document import read_mesh_document
+    from snhc.reference_impl.systems.mesh_encoding import encode_mesh
+
+    return encode_mesh(
+        read_mesh_document(data, limits=common.limits),
+        rate=options.rate,
+        far=options.far,
+        profile=options.profile,
+        end_code=options.end_code,
+        readings=common.readings,
+        limits=common.limits,
+    )
+
+
+def _pictures(first: bytes, files: Sequence[str], options: MeshOptions, common: Common) -> list[StreamItem]:
+    with needs_view("encode of pictures"):
+        import numpy as np
+
+        from snhc.reference_impl.mesh.render import open_picture
+        from snhc.reference_impl.systems.mesh_encoding import encode_pictures
+
+        def luminance(name: str, data: bytes | None = None) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+            if data is None:
+                with open_binary(name) as file:
+                    data = file.read()
+            return np.asarray(open_picture(data, name).convert("L"))
+
+        pictures = [luminance(files[0], first), *(luminance(name) for name in files[1:])]
+        made = encode_pictures(
+            pictures,
+            design=options.design,
+            mask=luminance(options.mask) if options.mask is not None else None,
+            interior_nodes=options.interior_nodes,
+            spacing=options.spacing,
+            search=options.search,
+            rate=options.rate,
+            profile=options.profile,
+            end_code=options.end_code,
+        )
+    if not common.quiet:
+        click.echo(f"{made.nodes} nodes, {made.triangles} triangles", err=True)
+        for number, value in enumerate(made.psnr, 1):
+            click.echo(f"self-transfiguration, picture {number}: {value:.2f} dB", err=True)
+    return made.items

@@ -1,0 +1,5 @@
+"""Right in everything."""
+
+from _shared import answer, finish
+
+finish(*answer())

@@ -1,0 +1,3 @@
+"""Ends with a traceback, and so with exit code 1."""
+
+raise ZeroDivisionError

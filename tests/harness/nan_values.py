@@ -1,0 +1,12 @@
+"""NaN for a value."""
+
+import json
+
+from _shared import answer, finish
+
+lines, said, code = answer()
+for i in range(1, len(lines)):
+    frame = json.loads(lines[i])
+    frame["faps"][2] = float("nan")
+    lines[i] = json.dumps(frame) + "\n"
+finish(lines, said, code)

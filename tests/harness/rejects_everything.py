@@ -1,0 +1,5 @@
+"""Exit 1 on everything."""
+
+import sys
+
+sys.exit(1)

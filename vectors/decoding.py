@@ -1,0 +1,58 @@
+"""The reference decoder as the suite uses it: bytes in, CNF-1 lines and at most one fault out.
+
+Rules: CNF-1, CNF-24, CNF-26.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.findings import Finding
+from snhc.reference_impl.face.decoded import frame_line, header_line
+from snhc.reference_impl.face.frames import FaceFrame
+from snhc.reference_impl.mesh.decoded import mesh_line
+from snhc.reference_impl.mesh.records import MeshFrame
+from snhc.reference_impl.systems.stream import Options, decode_planes
+
+
+@dataclass(frozen=True, slots=True)
+class Decoded:
+    """What the reference decoder makes of a stream.
+
+    Rules: CNF-1, CNF-26. `lines`: with newlines, the header first (none for `InputFormat`); `frames`: one per line
+    behind the header; `error`: the fault that ended the stream; `kind`: of the object, `fba` or `mesh`.
+    """
+
+    lines: tuple[str, ...]
+    frames: tuple[FaceFrame | MeshFrame, ...]
+    findings: tuple[Finding, ...]
+    error: SnhcError | None
+    kind: str = ""
+
+    @property
+    def text(self) -> str:
+        """All lines as one text."""
+        return "".join(self.lines)
+
+
+def decode(data: bytes, options: Options) -> Decoded:
+    """Decode a whole stream, up to its first fault. Rules: CNF-1, CNF-26."""
+    lines: list[str] = []
+    frames: list[FaceFrame | MeshFrame] = []
+    findings: list[Finding] = []
+    error: SnhcError | None = None
+    kinds: list[str] = []
+
+    def header(kind: str) -> None:
+        kinds.append(kind)
+        lines.append(header_line(kind, options.readings) + "\n")
+
+    try:
+        for plane in decode_planes(data, options, findings.append, header):
+            for frame in plane.frames:
+                frames.append(frame)
+                lines.append((frame_line(frame) if isinstance(frame, FaceFrame) else mesh_line(frame)) + "\n")
+    except SnhcError as fault:
+        error = fault
+    return Decoded(tuple(lines), tuple(frames), tuple(findings), error, "".join(kinds))

@@ -1,0 +1,250 @@
+"""The manifest: one entry per vector, with its files and what is expected of a decoder.
+
+Rules: CNF-3, CNF-5, CNF-26. The form is `manifest.schema.json`; beyond the fields of CNF-3 an entry has `tier`
+(CNF-5), `description` (the published documentation, CNF-4) and `options` (what a decoder must be told: CNF-26).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
+from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
+from snhc.reference_impl.systems.stream import Options
+
+FORMAT: Final = "snhc-manifest"
+VERSION: Final = 1
+SCHEMA_FILE: Final = Path(__file__).parent / "manifest.schema.json"
+SUITE: Final = Path(__file__).parent / "suite"
+MANIFEST_NAME: Final = "manifest.json"
+TIERS: Final = ("syntax", "semantic", "stress", "error", "real", "profile")
+KINDS: Final = ("valid", "invalid", "ambiguous")
+REJECT: Final = "reject"
+CONCEAL: Final = "conceal"
+ACCEPTABLE: Final = (REJECT, CONCEAL)
+
+
+@dataclass(frozen=True, slots=True)
+class DecodeOptions:
+    """What a decoder must be told to decode a vector. Rules: FBA-4, FBA-44, CNF-26.
+
+    `draft`: take the start codes of the drafts. `strict`: bytes behind the end are an error. `object_number`: which
+    object. `limits`: lowered limits by name.
+    """
+
+    draft: bool = False
+    strict: bool = False
+    object_number: int = 0
+    limits: Mapping[str, int] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """The manifest's `options`; only what differs from the default."""
+        out: dict[str, Any] = {}
+        if self.draft:
+            out["compat"] = "draft"
+        if self.strict:
+            out["strict"] = True
+        if self.object_number:
+            out["object"] = self.object_number
+        if self.limits:
+            out["limits"] = dict(sorted(self.limits.items()))
+        return out
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> DecodeOptions:
+        """The options of a manifest entry."""
+        return cls(
+            data.get("compat") == "draft", bool(data.get("strict", False)), int(data.get("object", 0)),
+            dict(data.get("limits", {})),
+        )  # fmt: skip
+
+    def for_decoder(self, readings: Readings = DEFAULT_READINGS) -> Options:
+        """The same for the reference decoder."""
+        limits = DEFAULT_LIMITS.with_values(dict(self.limits))
+        return Options(self.draft, self.strict, self.object_number, limits, readings)
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """The stream decodes to a file. Rules: CNF-3. `kind`: the kind of CNF-1; `file`: relative to the suite."""
+
+    kind: str
+    file: str
+    sha256: str
+
+    def as_json(self) -> dict[str, Any]:
+        """The manifest's `expect`."""
+        return {"accept": {"kind": self.kind, "file": self.file, "sha256": self.sha256}}
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """The stream has a fault. Rules: CNF-3, CNF-7, CNF-21.
+
+    `bits`: half-open span. `allowed`: `reject`, and `conceal` where a decoder may go on: it then gives at least the
+    lines before the fault.
+    """
+
+    error_class: str
+    rule: str
+    bits: tuple[int, int]
+    allowed: tuple[str, ...] = (REJECT,)
+
+    def as_json(self) -> dict[str, Any]:
+        """The manifest's `expect`."""
+        return {
+            "reject": {
+                "class": self.error_class, "rule": self.rule, "bits": list(self.bits), "allowed": list(self.allowed),
+            }
+        }  # fmt: skip
+
+
+Expect = Accepted | Rejected
+
+
+def expect_from_json(data: Mapping[str, Any]) -> Expect:
+    """An `expect` of the manifest. Rules: CNF-3."""
+    if "accept" in data:
+        return Accepted(**data["accept"])
+    reject = data["reject"]
+    return Rejected(reject["class"], reject["rule"], (reject["bits"][0], reject["bits"][1]), tuple(reject["allowed"]))
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One vector. Rules: CNF-3.
+
+    `readings`: AMB id -> reading -> what is expected under it, for vectors of kind `ambiguous`.
+    """
+
+    id: str
+    title: str
+    description: str
+    kind: str
+    tier: str
+    tools: tuple[str, ...]
+    profile: str | None
+    rules: tuple[str, ...]
+    features: tuple[str, ...]
+    value_classes: tuple[str, ...]
+    file: str
+    sha256: str
+    media: str
+    options: DecodeOptions
+    expect: Expect
+    readings: Mapping[str, Mapping[str, Expect]]
+    provenance: Mapping[str, Any]
+    notes: str
+    since: str
+
+    def as_json(self) -> dict[str, Any]:
+        """The manifest entry."""
+        return {
+            "id": self.id,
+            "title": self.title,
+            "description": self.description,
+            "kind": self.kind,
+            "tier": self.tier,
+            "tools": list(self.tools),
+            "profile": self.profile,
+            "rules": list(self.rules),
+            "features": list(self.features),
+            "value_classes": list(self.value_classes),
+            "input": {"file": self.file, "sha256": self.sha256, "media": self.media},
+            "options": self.options.as_json(),
+            "expect": self.expect.as_json(),
+            "tolerance": None,
+            "readings": {
+                amb: {key: expect.as_json() for key, expect in readings.items()}
+                for amb, readings in self.readings.items()
+            },
+            "provenance": dict(self.provenance),
+            "notes": self.notes,
+            "since": self.since,
+        }
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Entry:
+        """An entry of a manifest that fits the schema."""
+        return cls(
+            data["id"], data["title"], data["description"], data["kind"], data["tier"], tuple(data["tools"]),
+            data["profile"], tuple(data["rules"]), tuple(data["features"]), tuple(data["value_classes"]),
+            data["input"]["file"], data["input"]["sha256"], data["input"]["media"],
+            DecodeOptions.from_json(data["options"]), expect_from_json(data["expect"]),
+            {
+                amb: {key: expect_from_json(expect) for key, expect in readings.items()}
+                for amb, readings in data["readings"].items()
+            },
+            data["provenance"], data["notes"], data["since"],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Tombstone:
+    """An id that is used up. Rules: CNF-3. `removed`: the suite version that dropped it."""
+
+    id: str
+    removed: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """All vectors of a suite, by id. Rules: CNF-3."""
+
+    suite: str
+    entries: tuple[Entry, ...]
+    tombstones: tuple[Tombstone, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """The document."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "suite": self.suite,
+            "tombstones": [{"id": t.id, "removed": t.removed, "reason": t.reason} for t in self.tombstones],
+            "vectors": [entry.as_json() for entry in self.entries],
+        }
+
+    def text(self) -> str:
+        """The file's content."""
+        return json.dumps(self.as_json(), ensure_ascii=False, indent=1) + "\n"
+
+
+def validate(document: object) -> None:
+    """Hold a document against the schema. Rules: CNF-3. Raises InputFormat with the path of the first misfit."""
+    import jsonschema
+
+    schema = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+    errors = sorted(
+        jsonschema.Draft202012Validator(schema).iter_errors(document), key=lambda error: [str(p) for p in error.path]
+    )
+    if errors:
+        error = errors[0]
+        raise InputFormat(
+            "CNF-3", "manifest", value=error.message, allowed="what the schema says", path=error.json_path
+        )
+
+
+def load(suite: Path = SUITE, *, check_schema: bool = True) -> Manifest:
+    """The manifest of a suite. Rules: CNF-3.
+
+    Raises InputFormat for one that is missing, that is no JSON, or that does not fit the schema.
+    """
+    path = suite / MANIFEST_NAME
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputFormat("CNF-3", "manifest", value=str(error), allowed="a readable manifest.json") from error
+    if check_schema:
+        validate(document)
+    return Manifest(
+        document["suite"],
+        tuple(Entry.from_json(entry) for entry in document["vectors"]),
+        tuple(Tombstone(**entry) for entry in document["tombstones"]),
+    )

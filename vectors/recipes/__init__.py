@@ -1,0 +1,1 @@
+"""Recipes by topic; `recipe.TOPICS` lists the modules."""
