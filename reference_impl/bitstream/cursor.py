@@ -52,14 +52,13 @@ class BitCursor:
         """A cursor over bytes in memory. Rules: CNF-21."""
         return cls(BytesSource(data))
 
-    def _load(self, byte: int) -> None:
-        data = self.source.read_at(byte, WINDOW)
+    def _load(self, byte: int, least: int = 8) -> None:
+        data, self.ended = self.source.read_some(byte, least, WINDOW)
         self.base = byte
         self.next = 0
         self.acc = 0
         self.left = 0
         self.limit = len(data)
-        self.ended = self.limit < WINDOW
         self.window = data + bytes(PADDING) if self.ended else data
 
     def tell(self) -> int:
@@ -83,7 +82,7 @@ class BitCursor:
         """Make at least `count` bytes from here visible in the window, or all up to the padded end. Rules: FBA-27."""
         if not self.ended and self.limit - self.next < count:
             bit = self.tell()
-            self._load(bit >> 3)
+            self._load(bit >> 3, count + 1)
             self.seek(bit)
 
     def read(self, n: int) -> int:

@@ -25,6 +25,14 @@ class Source:
         """Up to `count` bytes from `offset`; fewer only where the data ends. Rules: CNF-22."""
         raise NotImplementedError
 
+    def read_some(self, offset: int, least: int, most: int) -> tuple[bytes, bool]:
+        """At least `least` bytes from `offset`, and up to `most` where they are at hand; whether the data ends there.
+
+        Rules: CNF-22. Fewer than `least` only where the data ends.
+        """
+        data = self.read_at(offset, most)
+        return data, len(data) < most
+
     def size(self) -> int:
         """Bytes in all; reads a pipe to its end. Rules: CNF-21."""
         raise NotImplementedError
@@ -86,6 +94,12 @@ class PipeSource(Source):
             self._spool.seek(self._have)
             self._spool.write(chunk)
             self._have += len(chunk)
+
+    def read_some(self, offset: int, least: int, most: int) -> tuple[bytes, bool]:
+        # A slow producer must not hold back what is already there.
+        self._pull(offset + least)
+        data = self.read_at(offset, min(most, self._have - offset))
+        return data, self._ended and offset + len(data) >= self._have
 
     def read_at(self, offset: int, count: int) -> bytes:
         self._pull(offset + count)
