@@ -10,14 +10,20 @@ from typing import Any, Final
 
 from fba_helpers import RECORDS
 from hypothesis import strategies as st
+from plain_dct import BASE_STEP, SCALE, PlainPayload, values
 
 from snhc.reference_impl.face.dct_syntax import CoefficientRun, SegmentData
 from snhc.reference_impl.face.records import FbaObject, FbaPlane
-from snhc.reference_impl.systems.stream import Options, write_stream
+from snhc.reference_impl.systems.stream import Options, trace_stream, write_stream
 from snhc.reference_impl.systems.visual import StreamItem
 from snhc.vectors.builders import all_lists, body, empty, inter, intra, stream, timed, with_code
 from snhc.vectors.dct_builders import Expression, Viseme, coefficients, dct_inter, dct_intra
 
+DCT_ELEMENTS = {
+    "dc", "dc_escape", "dc_difference", "dc_difference_escape", "dc_difference_escape_wide", "run", "ac", "ac_escape",
+    "ac_escape_wide", "viseme_select1", "viseme_select1_difference", "expression_select1",
+    "expression_select1_difference",
+}  # fmt: skip
 STYLES: Final = ("zeros", "small", "dense", "wild", "edges")
 EDGES: Final = (
     255, 256, -255, -256, -257, 32767, -32767, 32768, -32768, -32769, 2**30 - 1, -(2**30),
@@ -152,3 +158,42 @@ def dct_streams(draw: Any, max_planes: int = 5, odd: bool | None = None) -> DctS
     """A bare FBA object with planes of both coding types, and the end code."""
     unusual = draw(st.booleans()) if odd is None else odd
     return DctStream(stream(*planes_of(draw, max_planes, unusual)), Options())
+
+
+def check_plainly(data: bytes) -> None:
+    """The plain decoder reads what the codec reads, and reconstructs what it reconstructs."""
+    second = PlainPayload(f"{int.from_bytes(data, 'big'):0{8 * len(data)}b}")
+    coded: list[int] = []
+    quant = 0
+    for part in trace_stream(data):
+        plane = part.plane
+        if plane is None or plane.faps is None:
+            continue
+        rows = list(part.trace.rows())
+        if plane.is_intra:
+            quant = plane.faps.quant
+            state = plane.frames[0].state
+            coded = [i for i, letter in enumerate(state, 1) if letter == "T"]
+        segment = plane.faps.segment
+        if segment is None:
+            continue
+        first = [start for el, start, _, _, _ in rows if el.name in DCT_ELEMENTS][:1]
+        viseme, expression, runs = second.payload(first[0] if first else rows[-1][2], coded, bool(plane.is_intra))
+        assert [row[:3] for row in viseme] == segment.viseme
+        assert [row[3] for row in viseme] == segment.viseme_def
+        assert [row[:4] for row in expression] == segment.expression
+        assert [row[4] for row in expression] == segment.init_face
+        assert [row[5] for row in expression] == segment.expression_def
+        # Of an inter DC the record holds the difference.
+        assert [c[1:] for c in runs.values()] == [run.coefficients()[1:] for run in segment.runs]
+        body = [start for _, start, _, _, path in rows if ".bap" in path]
+        if first:
+            assert second.at == (body[0] if body else plane.end)
+        for fap, c in runs.items():
+            for t, (wanted, frame) in enumerate(zip(values(fap, quant, c), plane.frames, strict=True)):
+                got = frame.faps[fap - 1]
+                assert got is not None
+                assert abs(got - wanted) <= 0.5 + 1e-9 * (1 + sum(map(abs, c)) * BASE_STEP[fap] * SCALE[quant]), (
+                    fap,
+                    t,
+                )

@@ -15,6 +15,8 @@ from snhc.reference_impl.mesh.topology import MeshTopology
 from snhc.reference_impl.mesh.traversal import traverse
 from snhc.reference_impl.mesh.triangulation import delaunay_triangles
 from snhc.reference_impl.mesh.uniform import uniform_positions, uniform_triangles
+from snhc.reference_impl.systems.stream import decode_planes, trace_stream, write_stream
+from snhc.vectors.mesh_builders import delaunay, mesh_stream, moved, uniform
 
 
 def _nodes(count: int, order: str) -> tuple[list[int], list[int]]:
@@ -92,3 +94,47 @@ def test_warp_of_a_picture(benchmark: Any, cells: int) -> None:
     image = np.random.default_rng(0).integers(0, 256, (288, 352)).astype(np.uint8)
     _, covered = benchmark(warp, image, xs, ys, moved_xs, moved_ys, triangles, 352, 288)
     assert covered.mean() > 0.98
+
+
+def _stream(kind: str, count: int, motions: int) -> bytes:
+    """A geometry plane of about `count` nodes, and as many times as asked for a plane in which every node moves."""
+    if kind == "delaunay":
+        xs, ys = _nodes(count, "snake")
+        # Steps of more than 2,047 half pixels cannot be coded.
+        corners = [(-1000, -1000), (1000, -1000), (1000, 1000), (-1000, 1000)]
+        inner = dict.fromkeys((x // 17, y // 17) for x, y in zip(xs[4:], ys[4:], strict=True))
+        first = delaunay([*corners, *inner], 4)
+    else:
+        side = round(count**0.5)
+        first = uniform(side, side, 16, 16, 2)
+    source = random.Random(4)
+    vectors = {node: (source.randint(-20, 20), source.randint(-20, 20)) for node in range(count * 9 // 10)}
+    motion = moved(first, vectors)
+    return write_stream(mesh_stream(first, *([motion] * motions)))
+
+
+def _decode(data: bytes) -> int:
+    return sum(len(plane.frames) for plane in decode_planes(data))
+
+
+@pytest.mark.parametrize("count", [100, 1000])
+@pytest.mark.parametrize("kind", ["uniform", "delaunay"])
+def test_stream_of_geometry(benchmark: Any, kind: str, count: int) -> None:
+    """Bits to frames, one geometry plane."""
+    data = _stream(kind, count, 0)
+    assert benchmark(_decode, data) == 1
+    benchmark.extra_info["bytes"] = len(data)
+
+
+@pytest.mark.parametrize("count", [100, 1000])
+def test_stream_of_motion(benchmark: Any, count: int) -> None:
+    """Bits to frames: 10 motion planes behind a uniform geometry."""
+    data = _stream("uniform", count, 10)
+    assert benchmark(_decode, data) == 11
+    benchmark.extra_info["bytes"] = len(data)
+
+
+def test_trace_of_motion(benchmark: Any) -> None:
+    """Every element written down: 10 motion planes of 1,000 nodes."""
+    data = _stream("uniform", 1000, 10)
+    assert benchmark(lambda: sum(len(part.trace) for part in trace_stream(data))) > 10_000

@@ -6,12 +6,14 @@ Rules: DCT-1, DCT-3, DCT-12..15, FBA-12, FBA-35, FBA-38, FBA-40, CNF-1, CNF-6, C
 from __future__ import annotations
 
 import json
+from io import BytesIO
 
 import pytest
 from fba_helpers import SAMPLES, case_files, case_names, check_input, check_partition, decoded, traced
-from strategies_dct import plain
+from strategies_dct import check_plainly, plain
 
 from snhc.reference_impl.bitstream.errors import EncodeError
+from snhc.reference_impl.bitstream.source import PipeSource
 from snhc.reference_impl.face.decoded import ndjson
 from snhc.reference_impl.syntax.faulty import Mutation
 from snhc.reference_impl.systems.stream import (
@@ -46,6 +48,7 @@ def test_sample(name: str) -> None:
     ends = [plane.end for plane in decode_planes(data)]
     assert ends[: len(case["spans"])] == [end for _, end in case["spans"]]
     check_partition(data)
+    check_plainly(data)
     assert traced(data) == decoded(data)
     assert write_stream(read_stream(data)) == data
 
@@ -112,7 +115,7 @@ def test_example_trace_is_the_printed_table() -> None:
 def test_example_values_states_times() -> None:
     frames, findings, error = decoded(EXAMPLE)
     assert error is None
-    assert [f.id for f in findings] == ["no-sequence-header"]
+    assert [f.id for f in findings] == ["no-sequence-header", "provisional-tables"]
     assert [frame.faps[2] for frame in frames] == [int(v) for v in FAP_3.split()]
     assert [frame.faps[48] for frame in frames] == [int(v) for v in FAP_49.split()]
     assert [frame.intra for frame in frames] == [True] * 16 + [False] * 16
@@ -320,6 +323,23 @@ def test_a_level_of_zero_has_no_word() -> None:
     """The writer cannot send a zero without an escape: symbol 256 is the escape itself."""
     plane = dct_intra({3: coefficients(0, {4: 0})})
     data = write_faulty(stream(plane), [])
-    assert [e.id for e in decoded(data)[1]] == ["no-sequence-header", "non-canonical"]
+    assert [e.id for e in decoded(data)[1]] == ["no-sequence-header", "non-canonical", "provisional-tables"]
     with pytest.raises(EncodeError):
         write_stream(stream(dct_intra(viseme=[(15, 0, 0, 0)])))
+
+
+@pytest.mark.parametrize("shift", range(3))
+def test_segments_across_windows_of_the_cursor(shift: int) -> None:
+    """Words and wide fields over the 64 KiB boundaries of the reader's window, from memory and from a pipe."""
+    runs = {
+        fap: coefficients(-(2**30) + fap, {k: (2**30 - fap * k if k % 4 else 3 - k) for k in range(1, 16)})
+        for fap in range(3, 69)
+    }
+    planes = [empty(is_intra=1) for _ in range(shift)] + [dct_intra(runs, quant=1) for _ in range(17)]
+    items = stream(*planes)
+    data = write_stream(items)
+    assert len(data) > (1 << 16) + 1000
+    wanted = [frame for plane in planes for frame in plane.frames]
+    assert decoded(data)[0] == wanted
+    assert decoded(PipeSource(BytesIO(data)))[0] == wanted
+    assert write_stream(read_stream(data)) == data

@@ -16,6 +16,7 @@ from ..recipe import Accept, Ambiguous, family, vector
 from ..sequences import expressions, speech
 
 TOOLS: Final = ("fba", "dct-p1")
+PROVISIONAL: Final = ("provisional-tables",)
 NOTES: Final = "Entropy profile P1: provisional entropy tables."
 
 
@@ -44,7 +45,7 @@ def example_1() -> Accept:
         lines=32,
         values={(0, 3): -52, (11, 3): 202, (0, 49): -659, (7, 49): -1842, (16, 3): 62, (31, 3): -2, (31, 49): -765},
         times={15: "1/2", 16: "8/15", 31: "31/30"},
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -61,7 +62,7 @@ def example_1() -> Accept:
 def intra_dc(value: int) -> Accept:
     """Intra DC {case}, sent as s(16). The FAP behind it shows that the place is kept."""
     return Accept(
-        stream(dct_intra({3: coefficients(value), 4: listed([4])})), lines=16, values={(0, 4): 30}, findings=()
+        stream(dct_intra({3: coefficients(value), 4: listed([4])})), lines=16, values={(0, 4): 30}, findings=PROVISIONAL
     )
 
 
@@ -80,7 +81,7 @@ def intra_dc_wide(value: int) -> Accept:
     """-32768 in 16 bits, then the value in 31 bits: {case}. -32768 itself has to be escaped too."""
     plane = dct_intra({3: coefficients(value), 4: listed([4])}, quant=0)
     rounded = (abs(value) * 5 + 4) // 8 * (1 if value > 0 else -1)
-    return Accept(stream(plane), lines=16, values={(0, 3): rounded, (0, 4): 3}, findings=())
+    return Accept(stream(plane), lines=16, values={(0, 3): rounded, (0, 4): 3}, findings=PROVISIONAL)
 
 
 @family(
@@ -106,7 +107,10 @@ def inter_dc(difference: int) -> Accept:
     back = -difference if difference > -(2**31) else 2**31 - 1
     planes = [first, dct_inter(first, {3: _inter(difference)}), dct_inter(first, {3: _inter(back), 4: _inter(4)})]
     return Accept(
-        stream(*planes), lines=48, values={(32, 3): 60 if back == -difference else 53, (32, 4): 30}, findings=()
+        stream(*planes),
+        lines=48,
+        values={(32, 3): 60 if back == -difference else 53, (32, 4): 30},
+        findings=PROVISIONAL,
     )
 
 
@@ -127,7 +131,7 @@ def prediction() -> Accept:
     first = dct_intra({3: listed([1])}, quant=0)
     planes = [first, *(dct_inter(first, {3: _inter(1)}) for _ in range(7)), dct_intra({3: listed([-1])}, quant=0)]
     values = {(16 * i, 3): value for i, value in enumerate((1, 1, 2, 3, 3, 4, 4, 5, -1))}
-    return Accept(stream(*planes), lines=144, values=values, findings=())
+    return Accept(stream(*planes), lines=144, values=values, findings=PROVISIONAL)
 
 
 @vector(
@@ -142,7 +146,7 @@ def prediction() -> Accept:
 def halves() -> Accept:
     """DC values of 2.5, -2.5, 7.5 and -7.5 exactly: 3, -3, 8, -8. Banker's rounding and truncation show here."""
     plane = dct_intra({3: listed([4]), 4: listed([-4]), 5: listed([12]), 6: listed([-12])}, quant=0)
-    return Accept(stream(plane), values={(0, 3): 3, (0, 4): -3, (0, 5): 8, (15, 6): -8}, findings=())
+    return Accept(stream(plane), values={(0, 3): 3, (0, 4): -3, (0, 5): 8, (15, 6): -8}, findings=PROVISIONAL)
 
 
 @family(
@@ -162,7 +166,7 @@ def halves() -> Accept:
 def ac(value: int) -> Accept:
     """{case} at index 8: a word from -256 to 255, then 16 bits, then -32768 and 31 bits."""
     plane = dct_intra({3: coefficients(0, {8: value, 9: -1}), 4: listed([4])}, quant=0)
-    return Accept(stream(plane), values={(0, 4): 3}, findings=())
+    return Accept(stream(plane), values={(0, 4): 3}, findings=PROVISIONAL)
 
 
 @family(
@@ -191,7 +195,7 @@ def non_canonical(case: int) -> Accept:
         _inter(3, dc_escape=2),
     ][case]  # fmt: skip
     odd = dct_intra({3: run, 4: listed([4])}) if case < 4 else dct_inter(first, {3: run})
-    return Accept(stream(first, odd), lines=32, values={(16, 4): 30}, findings=("non-canonical",))
+    return Accept(stream(first, odd), lines=32, values={(16, 4): 30}, findings=(*PROVISIONAL, "non-canonical"))
 
 
 @vector(
@@ -207,7 +211,7 @@ def non_canonical(case: int) -> Accept:
 def runs() -> Accept:
     """FAP n + 3 has one coefficient behind n zeros; the one at index 15 has no end symbol behind it."""
     faps = {run + 3: coefficients(4, {run + 1: 3}) for run in range(15)}
-    return Accept(stream(dct_intra({**faps, 19: listed([3])})), values={(0, 19): 30}, findings=())
+    return Accept(stream(dct_intra({**faps, 19: listed([3])})), values={(0, 19): 30}, findings=PROVISIONAL)
 
 
 @vector(
@@ -227,7 +231,7 @@ def full() -> Accept:
         5: coefficients(1, {14: 2, 15: -2}),
         6: listed([4]),
     }
-    return Accept(stream(dct_intra(faps)), values={(0, 6): 30}, findings=())
+    return Accept(stream(dct_intra(faps)), values={(0, 6): 30}, findings=PROVISIONAL)
 
 
 def _steps(largest: int) -> list[int]:
@@ -261,7 +265,7 @@ def every_word() -> Accept:
     for at in range(16, 144, 16):
         runs = {fap: _inter(next(differences, 0)) for fap in range(3, 69)}
         planes.append(dct_inter(first, runs, viseme=visemes[at : at + 16], expression=shown[at : at + 16]))
-    return Accept(stream(*planes), lines=144, findings=())
+    return Accept(stream(*planes), lines=144, findings=PROVISIONAL)
 
 
 @family(
@@ -283,7 +287,7 @@ def quant(index: int) -> Accept:
     return Accept(
         stream(dct_intra(faps, quant=index)),
         values={(0, 3): 30 * scale, (0, 18): 20 * scale, (0, 23): 1700 * scale, (0, 48): 680 * scale},
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -314,7 +318,7 @@ def viseme() -> Accept:
             16: '"viseme":{"select1":0,"select2":1,"blend":62,"def":1}',
             31: '"viseme":{"select1":0,"select2":1,"blend":1,"def":0}',
         },
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -342,7 +346,7 @@ def expression() -> Accept:
             15: keys % (2, 10, 3, 20, 1, 1),
             16: keys % (3, 20, 2, 10, 0, 0),
         },
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -371,7 +375,7 @@ def start_code(code: int) -> Accept:
     There is no guard in this mode: decoders that look for start codes before they parse cut the plane here.
     """
     (data,) = _emulating(code)
-    return Accept(data, lines=32, values={(0, 4): 3, (31, 4): 5}, findings=())
+    return Accept(data, lines=32, values={(0, 4): 3, (31, 4): 5}, findings=PROVISIONAL)
 
 
 @vector(
@@ -399,7 +403,7 @@ def switch() -> Accept:
         lines=52,
         values={(1, 3): 44, (2, 3): 30, (2, 4): 10, (18, 3): 60, (34, 3): -28, (35, 3): -20, (36, 3): -30},
         states={(2, 4): "R", (34, 5): "R", (36, 4): "R"},
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -424,7 +428,7 @@ def states() -> Accept:
             0: f'"state":"{letters}"', 15: f'"state":"{letters}"', 16: f'"state":"{after}"',
             32: '"state":"' + after.replace("T", "R"),
         },
-        findings=(),
+        findings=PROVISIONAL,
     )  # fmt: skip
 
 
@@ -445,7 +449,7 @@ def times() -> Accept:
         stream(*planes),
         lines=49,
         times={0: "60/1", 15: "303/5", 16: "1519/25", 31: "1534/25", 32: "307/5", 33: "1537/25", 48: "1552/25"},
-        findings=(),
+        findings=PROVISIONAL,
     )
 
 
@@ -462,7 +466,10 @@ def baps() -> Accept:
     """A plane with a DCT segment and arithmetic-coded BAPs: they belong to its first instant."""
     first = body({2: 7, 5: -3}, face=dct_intra({3: listed([4])}), ranges=all_lists(1))
     return Accept(
-        stream(first, dct_inter(first, {3: _inter(4)}, baps={2: 1})), lines=32, values={(31, 3): 60}, findings=()
+        stream(first, dct_inter(first, {3: _inter(4)}, baps={2: 1})),
+        lines=32,
+        values={(31, 3): 60},
+        findings=PROVISIONAL,
     )
 
 
@@ -486,7 +493,7 @@ def all_faps() -> Accept:
     first = dct_intra(faps, types=types, viseme=spoken, expression=shown)
     later = {fap: _inter(fap % 7 - 3, {1 + fap % 14: -2}) for fap in range(3, 69)}
     planes = [first, *(dct_inter(first, later, viseme=spoken, expression=shown) for _ in range(19))]
-    return Accept(stream(*planes), lines=320, findings=())
+    return Accept(stream(*planes), lines=320, findings=PROVISIONAL)
 
 
 @family(
@@ -503,7 +510,7 @@ def all_faps() -> Accept:
 def real(case: int) -> Accept:
     """{case}, made from a seed and coded by our own encoder: 20 segments, intra every 8."""
     file = speech(320, 11) if case == 1 else expressions(320, 11)
-    return Accept(encode_fap(file, quant=3, mode="dct"), lines=320, findings=())
+    return Accept(encode_fap(file, quant=3, mode="dct"), lines=320, findings=PROVISIONAL)
 
 
 # -- readings ----------------------------------------------------------------------------------------------------------
