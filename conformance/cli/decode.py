@@ -1,17 +1,23 @@
 """`snhc decode`: a face or mesh stream to frames.
 
-Rules: CNF-1, CNF-19, CNF-24, CNF-26, FBA-44, FBA-54.
+Rules: CNF-1, CNF-2, CNF-19, CNF-24, CNF-26, FBA-44, FBA-54, FIT-4..8.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
 import click
 
 from .common import Common, Output, common_options, format_of, open_input
+
+if TYPE_CHECKING:
+    from snhc.analyzer.face_lines import Fill
 
 # The keys of `output.FORMATS` and `SUFFIXES`, spelled out so that `--help` loads no codec; a test compares them.
 MODELS = ("obj", "ply", "stl", "off", "glb")
@@ -26,17 +32,33 @@ PLACEHOLDER = "{index}"
 @click.command()
 @click.argument("file")
 @click.option("--format", "format_", type=click.Choice(FORMATS), help="Default: by the extension of -o, else ndjson.")
+@click.option("--fit", "table", metavar="TABLE", help="Fill frames by a FAP interpolation table (state F).")
+@click.option("--symmetry", is_flag=True, help="Let the one side of the face copy the other (state S, informative).")
+@click.option("--vertices", "model", metavar="MODEL|head", help="The vertices of a model, or of the shipped head.")
 @click.option("--nframes", type=click.IntRange(min=1), metavar="N", help="Stop after N frames.")
 @click.option("--object", "object_number", type=click.IntRange(min=0), default=0, metavar="N", help="Which object.")
 @common_options()
-def command(file: str, format_: str | None, nframes: int | None, object_number: int, common: Common) -> None:
+def command(
+    file: str,
+    format_: str | None,
+    table: str | None,
+    symmetry: bool,
+    model: str | None,
+    nframes: int | None,
+    object_number: int,
+    common: Common,
+) -> None:
     """Decode a face or mesh stream to frames.
 
     FILE is a visual stream, - for standard input. NDJSON and CSV are written as they are decoded; lines before an
     error stay. obj, ply, stl, off and glb hold the first mesh; with {index} in -o, as in mesh-{index}.obj, every frame
-    becomes a file.
+    becomes a file. With --vertices ndjson has the vertices of a model instead of FAPs.
     """
     chosen = format_of(format_, common.output, SUFFIXES, "ndjson")
+    if model is not None and chosen != "ndjson":
+        raise click.UsageError("--vertices gives ndjson only")
+    if (table is not None or symmetry) and chosen in MODELS:
+        raise click.UsageError(f"--fit and --symmetry are for faces, which {chosen} does not hold")
     if common.output is not None and PLACEHOLDER in common.output:
         if chosen not in MODELS:
             raise click.UsageError(f"{PLACEHOLDER} in -o is for {', '.join(MODELS)}")
@@ -44,7 +66,21 @@ def command(file: str, format_: str | None, nframes: int | None, object_number: 
         return
     if chosen in ("npz", "stl", "glb") and common.output in (None, "-") and sys.stdout.isatty():
         raise click.UsageError(f"{chosen} is not for terminals; give -o FILE")
-    _decode(file, chosen, nframes, object_number, common)
+    _decode(file, chosen, nframes, object_number, common, Faces(table, symmetry, model))
+
+
+@dataclass(frozen=True, slots=True)
+class Faces:
+    """What is made of the frames of a face. Rules: CNF-2. `table`, `model`: files, None for none."""
+
+    table: str | None
+    symmetry: bool
+    model: str | None
+
+    @property
+    def fill(self) -> bool:
+        """Whether frames are to be filled. Rules: CNF-2."""
+        return self.table is not None or self.symmetry
 
 
 def _decode_models(file: str, chosen: str, nframes: int | None, object_number: int, common: Common) -> None:
@@ -73,7 +109,9 @@ def _nothing(data: bytes) -> None:
 
 def _decode(file: str, chosen: str, nframes: int | None, object_number: int, common: Common) -> None:
     from snhc.reference_impl.bitstream.errors import SnhcError
+    from snhc.reference_impl.bitstream.findings import Finding
     from snhc.reference_impl.bitstream.source import PipeSource
+    from snhc.reference_impl.rules import finding as registered_finding
     from snhc.reference_impl.systems.output import FapWriter, frame_writer
     from snhc.reference_impl.systems.stream import decode_planes
 
@@ -81,19 +119,42 @@ def _decode(file: str, chosen: str, nframes: int | None, object_number: int, com
 
     def begin(kind: str) -> None:
         nonlocal found
-        writer.begin(kind)
+        if fill is not None and kind != "fba":
+            raise Unsupported("FIT-6", "kind of the object", value=kind, allowed="fba with --fit and --symmetry")
+        writer.begin("faces" if fill is not None and faces.model is None and chosen == "ndjson" else kind)
         found = True
+
+    def make(write: Callable[[bytes], None]) -> FrameWriter:
+        if faces.model is not None:
+            from snhc.analyzer.face_lines import VertexWriter
+            from snhc.analyzer.face_scene import load_model
+
+            loaded = load_model(faces.model, common.limits, common.report)
+            return VertexWriter(write, loaded, nframes, common.readings)
+        return frame_writer(chosen, write, most=nframes, readings=common.readings, limits=common.limits, name=name)
+
+    fill = _filler(faces, chosen == "fap", common) if faces.fill else None
 
     name = "" if file == "-" else PurePath(file).stem
     with (
         open_input(file) as source,
         Output(common.output, common.keep_partial, prompt=isinstance(source, PipeSource)) as out,
         closing(
-            frame_writer(chosen, out.write, most=nframes, readings=common.readings, limits=common.limits, name=name)
+            frame_writer(
+                chosen,
+                out.write,
+                most=nframes,
+                readings=common.readings,
+                limits=common.limits,
+                name=name,
+                profile=common.entropy_profile(),
+            )
         ) as writer,
     ):
         try:
             for plane in decode_planes(source, common.options(object_number), common.report, begin):
+                if fill is not None and isinstance(plane, FbaPlane):
+                    plane.frames = [fill(frame) for frame in plane.frames]
                 writer.plane(plane)
                 if writer.full:
                     break
@@ -103,5 +164,13 @@ def _decode(file: str, chosen: str, nframes: int | None, object_number: int, com
                 writer.end()
             raise
         writer.end()
-    if isinstance(writer, FapWriter) and writer.rate_changes and not common.quiet:
-        click.echo("warning: the frame rate changes, which .fap text cannot say; the first one stands", err=True)
+    if isinstance(writer, FapWriter) and writer.rate_changes:
+        kind = registered_finding("fap-rate-changes")
+        common.report(Finding(kind.id, kind.severity, kind.rule, "a later plane changes the frame rate"))
+
+
+def _filler(faces: Faces, as_sent: bool, common: Common) -> Fill:
+    from snhc.analyzer.face_lines import filler, load_table
+
+    table = None if faces.table is None else load_table(faces.table, common.readings, common.limits)
+    return filler(table, faces.symmetry, common.readings, as_sent)

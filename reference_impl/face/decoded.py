@@ -17,9 +17,9 @@ EXPRESSION_KEYS: Final = ("select1", "intensity1", "select2", "intensity2", "ini
 
 
 def header_line(kind: str, readings: Readings | None = None, profile: str = "") -> str:
-    """The first line; names the readings that are not the default, and a provisional entropy profile.
+    """The first line; names the readings that are not the default, and the entropy profile of DCT segments.
 
-    Rules: CNF-1, CNF-24.
+    Rules: CNF-1, CNF-24, DCT-1. `profile`: the profile's label, which says when it is provisional.
     """
     line = f'{{"format":"snhc-decoded","version":{VERSION},"kind":"{kind}"'
     if readings is not None and readings.chosen:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from ..bitstream.errors import EncodeError, ResourceLimit
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..entropy.profile import EntropyProfile, load_profile
 from ..face.decoded import EXPRESSION_KEYS, VISEME_KEYS, frame_line, header_line
 from ..face.fap_text import FapTextFrame, fap_frame, fap_header
 from ..face.frames import FaceFrame
@@ -100,14 +101,42 @@ class FrameWriter:
 
 
 class NdjsonWriter(FrameWriter):
-    """The convention `snhc-decoded` version 1. Rules: CNF-1, CNF-24, CNF-26."""
+    """The convention `snhc-decoded` version 1. Rules: CNF-1, CNF-24, CNF-26, DCT-1.
 
-    def __init__(self, write: Write, most: int | None = None, readings: Readings = DEFAULT_READINGS) -> None:
+    The header waits for the first plane, or the end: it names the entropy profile of a stream that begins with a DCT
+    segment.
+    """
+
+    def __init__(
+        self,
+        write: Write,
+        most: int | None = None,
+        readings: Readings = DEFAULT_READINGS,
+        profile: EntropyProfile | None = None,
+    ) -> None:
         super().__init__(write, most)
         self._readings = readings
+        self._profile = profile
+        self._kind = ""
 
     def begin(self, kind: str) -> None:
-        self._write((header_line(kind, self._readings) + "\n").encode())
+        self._kind = kind
+
+    def _header(self, profile: str = "") -> None:
+        if self._kind:
+            self._write((header_line(self._kind, self._readings, profile) + "\n").encode())
+            self._kind = ""
+
+    def plane(self, plane: AnyPlane) -> None:
+        if self._kind:
+            profile = ""
+            if isinstance(plane, FbaPlane) and plane.faps is not None and plane.faps.segment is not None:
+                profile = (self._profile if self._profile is not None else load_profile()).label
+            self._header(profile)
+        super().plane(plane)
+
+    def end(self) -> None:
+        self._header()
 
     def frame(self, frame: FaceFrame | MeshFrame) -> None:
         line = mesh_line(frame) if isinstance(frame, MeshFrame) else frame_line(frame)
@@ -394,13 +423,14 @@ def frame_writer(
     limits: Limits = DEFAULT_LIMITS,
     name: str = "",
     each: Callable[[int, bytes], None] | None = None,
+    profile: EntropyProfile | None = None,
 ) -> FrameWriter:
     """The writer of a format of FORMATS. Rules: CNF-1, CNF-25, FBA-54.
 
-    `name`: of the sequence, for `.fap`. `each`: as in `ModelWriter`.
+    `name`: of the sequence, for `.fap`. `each`: as in `ModelWriter`. `profile`: entropy tables of DCT segments.
     """
     if format == "ndjson":
-        return NdjsonWriter(write, most, readings)
+        return NdjsonWriter(write, most, readings, profile)
     if format == "csv":
         return CsvWriter(write, most)
     if format == "fap":

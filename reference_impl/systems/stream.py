@@ -167,9 +167,15 @@ def write_stream(items: Iterable[StreamItem], writer: Writer | None = None) -> b
     return io.sink.getvalue()
 
 
-def write_faulty(items: Iterable[StreamItem], mutations: list[Mutation]) -> bytes:
+def write_faulty(
+    items: Iterable[StreamItem],
+    mutations: list[Mutation],
+    *,
+    readings: Readings = DEFAULT_READINGS,
+    profile: EntropyProfile | None = None,
+) -> bytes:
     """The bytes of a stream with mutations, whose spans are recorded in them. Rules: CNF-6."""
-    io = FaultyWriter(mutations)
+    io = FaultyWriter(mutations, readings=readings, profile=profile)
     try:
         write_stream(items, io)
     except Exception as error:
