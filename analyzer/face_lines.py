@@ -8,15 +8,14 @@ one does not take the frames before it away.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
-from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.errors import SnhcError, Unsupported
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
-from snhc.reference_impl.face.decoded import frame_line
 from snhc.reference_impl.face.frames import FaceFrame as DecodedFrame
-from snhc.reference_impl.interpolation.fit import FitReadings, apply_symmetry, load_fit
+from snhc.reference_impl.interpolation.fit import FitReadings, apply_symmetry, evaluate, load_fit
 from snhc.reference_impl.interpolation.fit_bulk import BLOCK_FRAMES, evaluate_sequence
 from snhc.reference_impl.interpolation.fit_table import FitTable
 from snhc.reference_impl.interpolation.frames_json import (
@@ -27,7 +26,9 @@ from snhc.reference_impl.interpolation.frames_json import (
     read_frames,
     vertices_line,
 )
+from snhc.reference_impl.mesh.records import MeshFrame
 from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
+from snhc.reference_impl.systems.output import FrameWriter
 
 from .face_scene import FaceModel, exact_vertices, fat_readings
 
@@ -62,19 +63,66 @@ def load_table(name: str, readings: Readings = DEFAULT_READINGS, limits: Limits 
     return load_fit(Path(name), fit_readings(readings), max_sets=limits.fit_sets, max_links=limits.fit_links)
 
 
-def decoded_frames(frames: Iterable[DecodedFrame]) -> Iterator[FaceFrame]:
-    """Decoded frames in the form that FIT works on. Rules: CNF-1."""
-    for frame in frames:
-        yield FaceFrame(
-            frame.index,
-            f"{frame.time[0]}/{frame.time[1]}",
-            frame.intra,
-            frame.faps,
-            None if frame.viseme is None else frame.viseme[:3],
-            None if frame.expression is None else frame.expression[:4],
-            frame.state,
-            json.loads(frame_line(frame)),
-        )
+def plain_frame(frame: DecodedFrame) -> FaceFrame:
+    """A decoded frame in the form that FIT and the lines work on, without further keys. Rules: CNF-1."""
+    return FaceFrame(
+        frame.index,
+        f"{frame.time[0]}/{frame.time[1]}",
+        frame.intra,
+        frame.faps,
+        None if frame.viseme is None else frame.viseme[:3],
+        None if frame.expression is None else frame.expression[:4],
+        frame.state,
+        {},
+    )
+
+
+Fill = Callable[[DecodedFrame], DecodedFrame]
+
+
+def filler(
+    table: FitTable | None, symmetry: bool, readings: Readings = DEFAULT_READINGS, as_sent: bool = False
+) -> Fill:
+    """A function that fills one decoded frame: by FIT (state F), then by symmetry (state S).
+
+    Rules: FIT-4..8, CNF-2. `table`: None for no FIT. `as_sent`: the states become T, for formats that know no others.
+    """
+    chosen = fit_readings(readings)
+    sent = str.maketrans("FS", "TT" if as_sent else "FS")
+
+    def fill(frame: DecodedFrame) -> DecodedFrame:
+        filled = plain_frame(frame)
+        if table is not None:
+            filled = evaluate(table, filled, chosen)
+        if symmetry:
+            filled = apply_symmetry(filled)
+        return replace(frame, faps=filled.faps, state=filled.state.translate(sent))
+
+    return fill
+
+
+class VertexWriter(FrameWriter):
+    """Vertices of the frames of a face as NDJSON lines. Rules: CNF-2, FAT-2..9, FAC-6."""
+
+    def __init__(
+        self,
+        write: Callable[[bytes], None],
+        model: FaceModel,
+        most: int | None = None,
+        readings: Readings = DEFAULT_READINGS,
+    ) -> None:
+        super().__init__(write, most)
+        self._readings = readings
+        self._line = vertex_lines(model, readings)
+
+    def begin(self, kind: str) -> None:
+        if kind != "fba":
+            raise Unsupported("FAT-2", "kind of the object", value=kind, allowed="fba: meshes have no FAPs")
+        self._write((header_line("vertices", self._readings.chosen) + "\n").encode())
+
+    def frame(self, frame: DecodedFrame | MeshFrame) -> None:
+        assert isinstance(frame, DecodedFrame)
+        self._write((self._line(plain_frame(frame)) + "\n").encode())
 
 
 def interpolated(

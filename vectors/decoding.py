@@ -1,6 +1,6 @@
 """The reference decoder as the suite uses it: bytes in, CNF-1 lines and at most one fault out.
 
-Rules: CNF-1, CNF-24, CNF-26.
+Rules: CNF-1, CNF-24, CNF-26. Documents (coefficients, tables, face definitions) are decoded in `documents`.
 """
 
 from __future__ import annotations
@@ -15,13 +15,16 @@ from snhc.reference_impl.mesh.decoded import mesh_line
 from snhc.reference_impl.mesh.records import MeshFrame
 from snhc.reference_impl.systems.stream import Options, decode_planes
 
+from .manifest import DOCUMENTS
+
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """What the reference decoder makes of a stream.
+    """What the reference decoder makes of an input.
 
     Rules: CNF-1, CNF-26. `lines`: with newlines, the header first (none for `InputFormat`); `frames`: one per line
-    behind the header; `error`: the fault that ended the stream; `kind`: of the object, `fba` or `mesh`.
+    behind the header, of bitstreams; `error`: the fault that ended the stream; `kind`: of the object, `fba` or `mesh`,
+    or of what the document gives.
     """
 
     lines: tuple[str, ...]
@@ -56,3 +59,13 @@ def decode(data: bytes, options: Options) -> Decoded:
     except SnhcError as fault:
         error = fault
     return Decoded(tuple(lines), tuple(frames), tuple(findings), error, "".join(kinds))
+
+
+def decode_input(media: str, data: bytes, aux: bytes | None, options: Options) -> Decoded:
+    """Decode the input of a vector, whatever it is. Rules: CNF-1, CNF-2, CNF-3. `aux`: the second file, or None."""
+    if media not in DOCUMENTS:
+        return decode(data, options)
+    # Documents need numpy, which a decoder of streams must not wait for.
+    from .documents import decode_document
+
+    return decode_document(media, data, aux or b"", options)

@@ -1,7 +1,9 @@
 """The manifest: one entry per vector, with its files and what is expected of a decoder.
 
-Rules: CNF-3, CNF-5, CNF-26. The form is `manifest.schema.json`; beyond the fields of CNF-3 an entry has `tier`
-(CNF-5), `description` (the published documentation, CNF-4) and `options` (what a decoder must be told: CNF-26).
+Rules: CNF-3, CNF-5, CNF-25, CNF-26. The form is `manifest.schema.json`; beyond the fields of CNF-3 an entry has `tier`
+(CNF-5), `description` (the published documentation, CNF-4) and `options` (what a decoder must be told: CNF-26). The
+input of a vector may be two files: a table (`input`) and the frames that it is used on (`input.aux`). Faults of
+documents have a `path`, a `line`, or both, instead of `bits` (CNF-25).
 """
 
 from __future__ import annotations
@@ -27,6 +29,12 @@ KINDS: Final = ("valid", "invalid", "ambiguous")
 REJECT: Final = "reject"
 CONCEAL: Final = "conceal"
 ACCEPTABLE: Final = (REJECT, CONCEAL)
+DCT_COEFFICIENTS: Final = "dctcoef"
+FIT: Final = "fit"
+FAT: Final = "fat"
+FACE: Final = "face"
+DOCUMENTS: Final = (DCT_COEFFICIENTS, FIT, FAT, FACE)
+"""The media that are JSON documents: coefficients, tables (with frames as `aux`), face definitions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,24 +92,39 @@ class Accepted:
 
 @dataclass(frozen=True, slots=True)
 class Rejected:
-    """The stream has a fault. Rules: CNF-3, CNF-7, CNF-21.
+    """The stream has a fault. Rules: CNF-3, CNF-7, CNF-21, CNF-25.
 
-    `bits`: half-open span. `allowed`: `reject`, and `conceal` where a decoder may go on: it then gives at least the
-    lines before the fault.
+    `bits`: half-open span, None for documents: they have the `path` of the fault ("" where there is none), its `line`
+    (None where there is none), or both. `allowed`: `reject`, and `conceal` where a decoder may go on: it then gives at
+    least the lines before the fault.
     """
 
     error_class: str
     rule: str
-    bits: tuple[int, int]
+    bits: tuple[int, int] | None = None
     allowed: tuple[str, ...] = (REJECT,)
+    path: str = ""
+    line: int | None = None
+
+    @property
+    def place(self) -> str:
+        """Where the fault is, in words."""
+        if self.bits is not None:
+            return f"bits [{self.bits[0]}, {self.bits[1]})"
+        return " of ".join(
+            [*([self.path] if self.path else []), *([f"line {self.line}"] if self.line is not None else [])]
+        )
 
     def as_json(self) -> dict[str, Any]:
         """The manifest's `expect`."""
-        return {
-            "reject": {
-                "class": self.error_class, "rule": self.rule, "bits": list(self.bits), "allowed": list(self.allowed),
-            }
-        }  # fmt: skip
+        out: dict[str, Any] = {"class": self.error_class, "rule": self.rule}
+        if self.bits is not None:
+            out["bits"] = list(self.bits)
+        if self.path:
+            out["path"] = self.path
+        if self.line is not None:
+            out["line"] = self.line
+        return {"reject": {**out, "allowed": list(self.allowed)}}
 
 
 Expect = Accepted | Rejected
@@ -112,14 +135,35 @@ def expect_from_json(data: Mapping[str, Any]) -> Expect:
     if "accept" in data:
         return Accepted(**data["accept"])
     reject = data["reject"]
-    return Rejected(reject["class"], reject["rule"], (reject["bits"][0], reject["bits"][1]), tuple(reject["allowed"]))
+    bits = (reject["bits"][0], reject["bits"][1]) if "bits" in reject else None
+    return Rejected(
+        reject["class"], reject["rule"], bits, tuple(reject["allowed"]), reject.get("path", ""), reject.get("line")
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far a decoder may be off. Rules: CNF-3, CNF-16, DCT-8.
+
+    `model`: `dct-8` (`bound`: from the reference before rounding, FAP units) or `geometry` (`bound`: of every float,
+    in its own unit). `version`: of the model.
+    """
+
+    model: str
+    version: int
+    bound: float
+
+    def as_json(self) -> dict[str, str | int | float]:
+        """The manifest's `tolerance`."""
+        return {"model": self.model, "version": self.version, "bound": self.bound}
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
     """One vector. Rules: CNF-3.
 
-    `readings`: AMB id -> reading -> what is expected under it, for vectors of kind `ambiguous`.
+    `readings`: AMB id -> reading -> what is expected under it, for vectors of kind `ambiguous`. `tolerance`: None where
+    a decoder must give exactly what is expected. `aux`, `aux_sha256`: the second input file, "" where there is none.
     """
 
     id: str
@@ -141,9 +185,15 @@ class Entry:
     provenance: Mapping[str, Any]
     notes: str
     since: str
+    tolerance: Tolerance | None = None
+    aux: str = ""
+    aux_sha256: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """The manifest entry."""
+        files: dict[str, Any] = {"file": self.file, "sha256": self.sha256, "media": self.media}
+        if self.aux:
+            files["aux"] = {"file": self.aux, "sha256": self.aux_sha256}
         return {
             "id": self.id,
             "title": self.title,
@@ -155,10 +205,10 @@ class Entry:
             "rules": list(self.rules),
             "features": list(self.features),
             "value_classes": list(self.value_classes),
-            "input": {"file": self.file, "sha256": self.sha256, "media": self.media},
+            "input": files,
             "options": self.options.as_json(),
             "expect": self.expect.as_json(),
-            "tolerance": None,
+            "tolerance": None if self.tolerance is None else self.tolerance.as_json(),
             "readings": {
                 amb: {key: expect.as_json() for key, expect in readings.items()}
                 for amb, readings in self.readings.items()
@@ -171,6 +221,8 @@ class Entry:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Entry:
         """An entry of a manifest that fits the schema."""
+        aux = data["input"].get("aux", {})
+        tolerance = data["tolerance"]
         return cls(
             data["id"], data["title"], data["description"], data["kind"], data["tier"], tuple(data["tools"]),
             data["profile"], tuple(data["rules"]), tuple(data["features"]), tuple(data["value_classes"]),
@@ -181,6 +233,7 @@ class Entry:
                 for amb, readings in data["readings"].items()
             },
             data["provenance"], data["notes"], data["since"],
+            None if tolerance is None else Tolerance(**tolerance), aux.get("file", ""), aux.get("sha256", ""),
         )  # fmt: skip
 
 

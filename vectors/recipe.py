@@ -13,7 +13,7 @@ Rules: CNF-3, CNF-4, CNF-5, CNF-6.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
 from inspect import cleandoc
@@ -23,18 +23,34 @@ from snhc.reference_impl.bitstream.errors import ERROR_CLASSES, SnhcError
 from snhc.reference_impl.syntax.faulty import Mutation
 from snhc.reference_impl.systems.visual import StreamItem
 
-from .manifest import ACCEPTABLE, REJECT, TIERS, DecodeOptions
+from .manifest import ACCEPTABLE, DOCUMENTS, REJECT, TIERS, DecodeOptions
 
-Stream = list[StreamItem] | bytes
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """An input that is no bitstream. Rules: CNF-3. `media`: of the manifest; `aux`: frames that a table is used on."""
+
+    media: str
+    data: bytes
+    aux: bytes | None = None
+
+
+Stream = list[StreamItem] | bytes | Document
+Place = tuple[int, int] | str
+"""Where a fault is: bits, or the path in a document. Rules: CNF-21, CNF-25."""
 
 
 @dataclass(frozen=True, slots=True)
 class Accept:
-    """A stream that decodes. Rules: CNF-3.
+    """A stream or document that decodes. Rules: CNF-3.
 
-    `stream`: records for our own writer, or bytes. What else is given must come out, or generating fails:
+    `stream`: records for our own writer, bytes, or a document. What else is given must come out, or generating fails:
     `same_as`: the bytes; `lines`: how many; `values`: by (line, FAP); `times`: by line; `text`: whole lines by line;
-    `findings`: ids, in order of the stream, all that are reported but `no-sequence-header`.
+    `findings`: ids, in order of the stream, all that are reported but `no-sequence-header`; `points`: of vertices, by
+    (line, mesh), exactly; `units`: of a face, by name.
+
+    `declared`: lines behind the header that stand in the file instead of the decoder's, whose floats hang on the sine
+    and cosine of the machine (CNF-4); the decoder must come within the vector's tolerance of them.
     """
 
     stream: Stream
@@ -45,14 +61,18 @@ class Accept:
     states: Mapping[tuple[int, int], str] = field(default_factory=dict)
     text: Mapping[int, str] = field(default_factory=dict)
     findings: tuple[str, ...] | None = None
+    points: Mapping[tuple[int, str], Sequence[Sequence[float]]] = field(default_factory=dict)
+    units: Mapping[str, float] = field(default_factory=dict)
+    declared: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Reject:
-    """A stream with one fault. Rules: CNF-6, CNF-7, CNF-21.
+    """A stream or document with one fault. Rules: CNF-6, CNF-7, CNF-21, CNF-25.
 
     `mutations`: what the faulty writer breaks. `bits`: where the fault is; None: the first span that the first
-    mutation recorded. `allowed`: `reject`, `conceal`.
+    mutation recorded. Of documents: `path`, `line` (None: the fault has none). `allowed`: `reject`, `conceal`. `lines`:
+    how many are complete before the fault, where that is declared.
     """
 
     stream: Stream
@@ -61,6 +81,9 @@ class Reject:
     mutations: tuple[Mutation, ...] = ()
     bits: tuple[int, int] | None = None
     allowed: tuple[str, ...] = (REJECT,)
+    path: str = ""
+    line: int | None = None
+    lines: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +91,15 @@ class Ambiguous:
     """A stream that readings of the standard decode differently. Rules: CNF-3, CNF-24.
 
     `stream`: made under the first reading. `amb`: the ambiguity; every reading of the register gets an expectation,
-    all of them different. `faults`: the readings under which the stream is refused, with class, rule and bits.
+    all of them different. `faults`: the readings under which the stream is refused, with class, rule and place.
+    `values`, `points`: what documents give, by reading, then as in `Accept`.
     """
 
     stream: Stream
     amb: str
-    faults: Mapping[str, tuple[type[SnhcError], str, tuple[int, int]]] = field(default_factory=dict)
+    faults: Mapping[str, tuple[type[SnhcError], str, Place]] = field(default_factory=dict)
+    values: Mapping[str, Mapping[tuple[int, int], int | None]] = field(default_factory=dict)
+    points: Mapping[str, Mapping[tuple[int, str], Sequence[Sequence[float]]]] = field(default_factory=dict)
 
 
 Build = Accept | Reject | Ambiguous
@@ -104,7 +130,8 @@ RECIPES: Final[dict[str, Recipe]] = {}
 _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
-    "truncation", "ambiguity", "mesh", "mesh_errors", "dct", "dct_errors",
+    "truncation", "ambiguity", "mesh", "mesh_errors", "dct", "dct_errors", "dct_coefficients", "fit", "fit_errors",
+    "fat", "fat_errors", "fapu",
 )  # fmt: skip
 
 T = TypeVar("T")
@@ -203,11 +230,15 @@ def all_recipes() -> dict[str, Recipe]:
 
 def build_fault(build: Build) -> str:
     """What is wrong with the form of a build, or "". Rules: CNF-3, CNF-7."""
+    if isinstance(build.stream, Document) and build.stream.media not in DOCUMENTS:
+        return f"media {build.stream.media} is no document"
     if isinstance(build, Reject):
         if build.error.__name__ not in ERROR_CLASSES or build.error.__name__ == "Unsupported":
             return f"error class {build.error.__name__} is no fault of a stream"
         if not build.allowed or any(way not in ACCEPTABLE for way in build.allowed):
             return f"allowed {build.allowed}"
+        if isinstance(build.stream, Document):
+            return "" if build.path or build.line is not None else "neither path nor line"
         if build.bits is None and not build.mutations:
             return "no bits and no mutation that could tell them"
     return ""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .common import Common, Output, common_options, format_of, open_input
+from .extras import needs_view
 
 if TYPE_CHECKING:
     from snhc.analyzer.face_lines import Fill
@@ -59,6 +60,9 @@ def command(
         raise click.UsageError("--vertices gives ndjson only")
     if (table is not None or symmetry) and chosen in MODELS:
         raise click.UsageError(f"--fit and --symmetry are for faces, which {chosen} does not hold")
+    if chosen in MODELS:
+        with needs_view(f"decode to {chosen}"):
+            import trimesh  # noqa: F401 (said now, not after half the work)
     if common.output is not None and PLACEHOLDER in common.output:
         if chosen not in MODELS:
             raise click.UsageError(f"{PLACEHOLDER} in -o is for {', '.join(MODELS)}")
@@ -107,12 +111,13 @@ def _nothing(data: bytes) -> None:
     raise AssertionError("every frame has a file of its own")
 
 
-def _decode(file: str, chosen: str, nframes: int | None, object_number: int, common: Common) -> None:
-    from snhc.reference_impl.bitstream.errors import SnhcError
+def _decode(file: str, chosen: str, nframes: int | None, object_number: int, common: Common, faces: Faces) -> None:
+    from snhc.reference_impl.bitstream.errors import SnhcError, Unsupported
     from snhc.reference_impl.bitstream.findings import Finding
     from snhc.reference_impl.bitstream.source import PipeSource
+    from snhc.reference_impl.face.records import FbaPlane
     from snhc.reference_impl.rules import finding as registered_finding
-    from snhc.reference_impl.systems.output import FapWriter, frame_writer
+    from snhc.reference_impl.systems.output import FapWriter, FrameWriter, frame_writer
     from snhc.reference_impl.systems.stream import decode_planes
 
     found = False
@@ -131,25 +136,22 @@ def _decode(file: str, chosen: str, nframes: int | None, object_number: int, com
 
             loaded = load_model(faces.model, common.limits, common.report)
             return VertexWriter(write, loaded, nframes, common.readings)
-        return frame_writer(chosen, write, most=nframes, readings=common.readings, limits=common.limits, name=name)
-
-    fill = _filler(faces, chosen == "fap", common) if faces.fill else None
+        return frame_writer(
+            chosen,
+            write,
+            most=nframes,
+            readings=common.readings,
+            limits=common.limits,
+            name=name,
+            profile=common.entropy_profile(),
+        )
 
     name = "" if file == "-" else PurePath(file).stem
+    fill = _filler(faces, chosen == "fap", common) if faces.fill else None
     with (
         open_input(file) as source,
         Output(common.output, common.keep_partial, prompt=isinstance(source, PipeSource)) as out,
-        closing(
-            frame_writer(
-                chosen,
-                out.write,
-                most=nframes,
-                readings=common.readings,
-                limits=common.limits,
-                name=name,
-                profile=common.entropy_profile(),
-            )
-        ) as writer,
+        closing(make(out.write)) as writer,
     ):
         try:
             for plane in decode_planes(source, common.options(object_number), common.report, begin):

@@ -138,7 +138,7 @@ def command(
     no_end_code: bool,
     common: Common,
 ) -> None:
-    """Encode FAP text as a face stream, or a mesh document or pictures as a mesh stream.
+    """Encode FAP text, a mesh document or pictures as a stream.
 
     FILE is .fap text, a mesh document (JSON, or the NDJSON that decode writes), or one of the pictures of a sequence;
     - for standard input. What it is is told by its content. A mesh is designed for the first picture and tracked over

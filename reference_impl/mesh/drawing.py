@@ -38,6 +38,7 @@ def draw_mesh(
     scale: float = 2.0,
     order: bool = False,
     labels: bool = False,
+    numbers: bool = True,
     previous: tuple[Sequence[int], Sequence[int]] | None = None,
     bounds: tuple[int, int, int, int] | None = None,
 ) -> Image.Image:
@@ -47,8 +48,9 @@ def draw_mesh(
 
     `xs`, `ys`: positions in half pixels. `scale`: picture pixels per half pixel, above 0. `order`: triangles
     coloured by their label, nodes with their place in the traversal. `labels`: node numbers instead of
-    places. `previous`: positions of the plane before; motion vectors are drawn from there. `bounds`: least x, least
-    y, greatest x, greatest y that the picture shows, None: what it needs. Raises RangeViolation, ResourceLimit.
+    places. `numbers`: whether anything is written at all. `previous`: positions of the plane before; motion vectors
+    are drawn from there. `bounds`: least x, least y, greatest x, greatest y that the picture shows, None: what it
+    needs. Raises RangeViolation, ResourceLimit.
     """
     from PIL import Image, ImageDraw
 
@@ -80,7 +82,7 @@ def draw_mesh(
     for t in sorted(range(count), key=lambda t: t in flipped):
         a, b, c = topology.triangles[t]
         pen.line([at[a], at[b], at[c], at[a]], fill=_FLIPPED if t in flipped else _LINE)
-        if order:
+        if order and numbers:
             centre = ((at[a][0] + at[b][0] + at[c][0]) // 3, (at[a][1] + at[b][1] + at[c][1]) // 3)
             pen.text(centre, str(t), fill=(90, 90, 90), anchor="mm")
     if previous is not None:
@@ -89,6 +91,6 @@ def draw_mesh(
     for k, node in enumerate(topology.order):
         x, y = at[node]
         pen.ellipse([x - 2, y - 2, x + 2, y + 2], fill=_VECTOR)
-        if order or labels:
+        if (order or labels) and numbers:
             pen.text((x + 4, y - 10), str(node if labels else k), fill=_TEXT)
     return picture

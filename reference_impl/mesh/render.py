@@ -46,6 +46,7 @@ def render_frames(
     planes: tuple[int, int | None] = (0, None),
     most: int | None = None,
     scale: int = 2,
+    numbers: bool = True,
 ) -> list[Rendered]:
     """A picture of every frame that has a mesh, all of one size.
 
@@ -54,7 +55,8 @@ def render_frames(
     `frames`: of one object, from its first on. `texture`: lies under the mesh of each intra plane, pixel for pixel, and
     is warped along; None: triangles coloured in traversal order, nodes with their place in it, motion vectors.
     `planes`: first and behind the last frame to draw. `most`: at most so many pictures. `scale`: picture pixels per
-    pixel (with texture) or half pixel, from 1. Raises RangeViolation, ResourceLimit, InputFormat where there is nothing to draw.
+    pixel (with texture) or half pixel, from 1. `numbers`: whether the places in the traversal are written. Raises
+    RangeViolation, ResourceLimit, and InputFormat where there is nothing to draw.
     """
     if scale < 1:
         raise RangeViolation("MSH-22", "scale", value=scale, allowed="1 or more")
@@ -68,7 +70,7 @@ def render_frames(
     ys = [y for frame, _, _, before in chosen for nodes in (frame, before) if nodes for _, y in nodes.nodes]
     bounds = (min(xs), min(ys), max(xs), max(ys))
     _check_size(len(chosen), (bounds[2] - bounds[0]) * scale * (bounds[3] - bounds[1]) * scale)
-    return [(item[0], _drawn(item, bounds, scale)) for item in chosen]
+    return [(item[0], _drawn(item, bounds, scale, numbers)) for item in chosen]
 
 
 # Frame, the intra frame it moves from, its topology, the frame before it unless the mesh is new.
@@ -114,11 +116,11 @@ def _textured(item: _Chosen, texture: Image.Image, scale: int) -> Image.Image:
     return Image.fromarray(drawn)
 
 
-def _drawn(item: _Chosen, bounds: tuple[int, int, int, int], scale: int) -> Image.Image:
+def _drawn(item: _Chosen, bounds: tuple[int, int, int, int], scale: int, numbers: bool) -> Image.Image:
     frame, _, topology, before = item
     xs, ys = [x for x, _ in frame.nodes], [y for _, y in frame.nodes]
     previous = ([x for x, _ in before.nodes], [y for _, y in before.nodes]) if before is not None else None
-    return draw_mesh(xs, ys, topology, scale=scale, order=True, previous=previous, bounds=bounds)
+    return draw_mesh(xs, ys, topology, scale=scale, order=True, numbers=numbers, previous=previous, bounds=bounds)
 
 
 def picture_file(rendered: Sequence[Rendered], format: str) -> bytes:

@@ -174,6 +174,56 @@ def test_low_level_faps_over_rule_expressions_on_the_head() -> None:
     assert shut["left_brow"] == surprised["left_brow"] != neutral["left_brow"]
 
 
+# -- decode ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def stream(tmp_path: Path) -> Path:
+    """FAPs 3 and 19 in three frames."""
+    path = tmp_path / "s.fba"
+    mask = " ".join("1" if fap in (3, 19) else "0" for fap in range(1, 69))
+    text = "2.1 test 25 3\n" + "".join(f"{mask}\n{n} {n * 31} 40\n" for n in range(3))
+    assert run("encode", "-", "--quant", "0", "-o", path, stdin=text).exit_code == 0
+    return path
+
+
+def test_decode_fills_as_fit_does(stream: Path, table: Path) -> None:
+    decoded = run("decode", stream, "--quiet").stdout
+    for extra in ((), ("--symmetry",)):
+        found = run("decode", stream, "--fit", table, *extra, "--quiet")
+        assert found.exit_code == 0
+        assert rows(found.stdout) == rows(run("fit", table, "-", *extra, stdin=decoded).stdout)
+    assert [row["state"][4] + row["state"][19] for row in rows(found.stdout)[1:]] == ["FS"] * 3
+    assert rows(run("decode", stream, "--symmetry", "--quiet").stdout)[1]["state"][4] == "U"
+
+
+def test_decode_gives_vertices_as_fat_does(stream: Path, table: Path) -> None:
+    for extra in ((), ("--fit", table)):
+        decoded = run("decode", stream, *extra, "--quiet").stdout
+        found = run("decode", stream, *extra, "--vertices", "head", "--nframes", "2", "--quiet")
+        assert found.exit_code == 0
+        assert found.stdout.splitlines() == run("fat", "head", "-", stdin=decoded).stdout.splitlines()[:3]
+
+
+def test_filled_frames_in_other_formats(stream: Path, table: Path, tmp_path: Path) -> None:
+    text = run("decode", stream, "--fit", table, "--format", "fap", "--quiet").stdout.splitlines()
+    assert [n + 1 for n, digit in enumerate(text[1].split()) if digit == "1"] == [3, 5, 19]
+    assert text[4].split() == ["1", "31", "-16", "40"]
+    cells = run("decode", stream, "--fit", table, "--format", "csv", "--quiet").stdout.splitlines()[2].split(",")
+    assert cells[3][4] == "F" and "-16" in cells
+    for args in (("--vertices", "head", "--format", "csv"), ("--fit", table, "--format", "obj")):
+        assert run("decode", stream, *args).exit_code == 2
+
+
+def test_faults_of_decode(stream: Path, table: Path, tmp_path: Path) -> None:
+    assert run("decode", stream, "--fit", tmp_path / "none.json").exit_code == 3
+    assert run("decode", stream, "--vertices", tmp_path / "none.json").exit_code == 3
+    mesh = folders("mesh")[0] / "input.m2d"
+    for args in (("--fit", table), ("--vertices", "head")):
+        assert run("decode", mesh, *args, "--quiet").exit_code == 4
+        assert run("decode", mesh, *args, "--quiet").stdout == ""
+
+
 # -- check -------------------------------------------------------------------------------------------------------------
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -450,3 +451,12 @@ def test_verb_encodes_pictures_and_reports(tmp_path: Path) -> None:
     assert run("encode", str(SAMPLES / "mesh" / "mesh-11-00000" / "expected.ndjson"), names[0]).exit_code == 2
     for rate in ("0", "x", "1/0", "-3"):
         assert run("encode", *names, "--rate", rate, "-o", str(target)).exit_code == 2
+
+
+def test_verb_says_which_extra_models_need_without_trimesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    mesh = str(SAMPLES / "mesh" / "mesh-11-00001" / "input.m2d")
+    result = run("decode", mesh, "-o", str(tmp_path / "a.obj"))
+    assert result.exit_code == 2
+    assert "needs the extra snhc[view] (trimesh is not installed)" in result.stderr
+    assert list(tmp_path.iterdir()) == []

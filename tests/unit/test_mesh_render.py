@@ -195,12 +195,12 @@ def test_verb_refuses_planes(planes: str, tmp_path: Path) -> None:
     assert result.exit_code == (0 if planes == ":" else 2)
 
 
-def test_verb_says_what_is_not_built_for_faces(tmp_path: Path) -> None:
+def test_verb_says_what_is_not_for_faces(tmp_path: Path) -> None:
     face = tmp_path / "a.fba"
     face.write_bytes(write_stream(stream(intra({3: 1}))))
-    result = run("render", str(face), "-o", str(tmp_path / "a.png"))
-    assert result.exit_code == 4
-    assert "rendering faces is not built yet" in result.stderr
+    result = run("render", str(face), "--scale", "2", "-o", str(tmp_path / "a.png"))
+    assert result.exit_code == 2
+    assert "--scale is for meshes" in result.stderr
     assert not (tmp_path / "a.png").exists()
 
 

@@ -597,6 +597,7 @@ def test_zero_flag_and_a_vector_that_comes_out_as_zero() -> None:
         (EX2, "mesh_nodes_delaunay", 5, (71, 87)),
         (write_stream(mesh_stream(mesh_timed(still(), skip=20))), "skipped_frames", 19, (67, 75)),
     ],
+    ids=["uniform", "delaunay", "skip"],
 )
 def test_limit(data: bytes, name: str, most: int, bits: tuple[int, int]) -> None:
     below = Options(limits=DEFAULT_LIMITS.with_values({name: most}))

@@ -571,10 +571,19 @@ static bool headers(struct decoder *d)
         return fail(d, "Unsupported", "SYS-7", 0, 32);
     if (code == 0x1BA)
         return true;
+    if ((code >= 0x100 && code <= 0x12F) || code == 0x1BE)
+        return fail(d, "Unsupported", "SYS-4", 0, 32);
+    if (code == 0x1B1 || code == 0x1B2 || code == 0x1B5 || code == 0x1BB || code == 0x1BD)
+        return fail(d, "InconsistentSemantics", "SYS-7", 0, 32);
     if (code != 0x1B0)
         return fail(d, "InputFormat", "FBA-1", 0, 32);
-    TRY(u(d, 8, "SYS-2", &value));
-    TRY(start_code(d, &code));
+    for (;;) {
+        TRY(u(d, 8, "SYS-2", &value));
+        TRY(start_code(d, &code));
+        if (code != 0x1B1 || !has(d, d->pos, 32) || peek(d, d->pos, 32) != 0x1B0)
+            break;
+        d->pos += 32; /* a sequence without objects, and another one behind it */
+    }
     if (code != 0x1B5)
         return fail(d, "InconsistentSemantics", "SYS-2", d->pos - 32, d->pos);
     TRY(u(d, 1, "SYS-3", &value));

@@ -100,10 +100,19 @@ fn find_object(bits: &mut Bits) -> Result<(), Fault> {
         }
         Some(MESH_OBJECT) => return fault("Unsupported", "SYS-7", 0..32),
         Some(0x1B0) => bits.pos = 32,
+        Some(0x100..=0x12F | 0x1BE) => return fault("Unsupported", "SYS-4", 0..32),
+        Some(0x1B1 | 0x1B2 | 0x1B5 | PLANE | 0x1BD) => return fault("InconsistentSemantics", "SYS-7", 0..32),
         Some(_) => return fault("InputFormat", "FBA-1", 0..32),
     }
     bits.take(8, "SYS-2")?;
-    if code_behind_user_data(bits)? != 0x1B5 {
+    let mut inside = code_behind_user_data(bits)?;
+    // A sequence may end without objects, and another may follow.
+    while inside == 0x1B1 && bits.look(bits.pos, 32) == Some(0x1B0) {
+        bits.pos += 32;
+        bits.take(8, "SYS-2")?;
+        inside = code_behind_user_data(bits)?;
+    }
+    if inside != 0x1B5 {
         return fault("InconsistentSemantics", "SYS-2", bits.back(32));
     }
     if bits.flag("SYS-3")? {

@@ -1,0 +1,3 @@
+module fba-decoder
+
+go 1.21
