@@ -107,7 +107,7 @@ def camera_for(scene: FaceScene, view: str, size: tuple[int, int]) -> Camera:
 def vertex_normals(points: Floats, faces: NDArray[np.int64]) -> Floats:
     """Unit normals, (V, 3), of the faces around each vertex, weighted by their angles there.
 
-    Rules: FAC-32 (vertex normals). Vertices without area around them get 0.
+    Rules: FAC-10. Vertices without area around them get 0.
     """
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -8,11 +8,13 @@ or it exits with 1: the stream is rejected, with an optional JSON line (`class`,
 The TOML file that describes one:
 
     name = "my decoder"
-    command = ["./mydecoder", "{input}"]     # {input}: path of the vector; left out: the vector is standard input
+    command = ["./mydecoder", "{input}"]     # {input}: path of the vector; left out: the vector is standard input;
+                                             # {aux}: path of its second file, for tools with two; {media}: what it is
     format = "ndjson"                        # or "fap", "csv"
     timeout = 10.0                           # seconds per vector
     output_bytes = 268435456                 # standard output beyond this is cut, and an error
-    tools = ["fba"]                          # what is not claimed is not_applicable, never a pass
+    tools = ["fba"]                          # what is not claimed is not_applicable, never a pass; also dct-p1, mesh,
+                                             # dctcoef, fit, fat, fapu
 
     [options]                                # words put behind the command for vectors that need them
     draft = ["--compat", "draft"]            # left out: such vectors are not_applicable
@@ -26,6 +28,7 @@ Relative names of files in the command are those beside the TOML file.
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import time
 import traceback
@@ -36,7 +39,7 @@ from typing import Any, Final, Protocol
 
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
-from snhc.vectors.decoding import decode
+from snhc.vectors.decoding import decode_input
 from snhc.vectors.manifest import DecodeOptions, Entry
 
 from . import process
@@ -45,6 +48,8 @@ FORMATS: Final = ("ndjson", "fap", "csv")
 OPTION_NAMES: Final = ("draft", "strict", "object", "limit")
 DEFAULT_TIMEOUT: Final = 10.0
 REJECTED: Final = 1
+# What `.fap` text and CSV can hold.
+_FACE_TOOLS: Final = frozenset({"fba", "dct-p1", "dctcoef"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +86,8 @@ class Adapter(Protocol):
     def lacks(self, entry: Entry) -> str:
         """What a vector needs and the decoder does not claim, "" for nothing. Rules: CNF-13."""
 
-    def decode(self, entry: Entry, path: Path) -> Outcome:
-        """Decode one vector. Rules: CNF-9."""
+    def decode(self, entry: Entry, path: Path, aux: Path | None = None) -> Outcome:
+        """Decode one vector. Rules: CNF-9. `aux`: its second file, None where it has one only."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,11 +102,12 @@ class BuiltIn:
         """Nothing: what is not built says `Unsupported` itself."""
         return ""
 
-    def decode(self, entry: Entry, path: Path) -> Outcome:
+    def decode(self, entry: Entry, path: Path, aux: Path | None = None) -> Outcome:
         """Decode one vector; a fault is a rejection with its JSON line, an internal error is a crash."""
         started = time.monotonic()
         try:
-            decoded = decode(path.read_bytes(), entry.options.for_decoder())
+            second = None if aux is None else aux.read_bytes()
+            decoded = decode_input(entry.media, path.read_bytes(), second, entry.options.for_decoder())
         except Exception:  # noqa: BLE001 (a bug of the reference decoder is a result, like any other decoder's crash)
             return Outcome(None, stderr=traceback.format_exc().encode(), detail="internal error")
         error = decoded.error
@@ -128,19 +134,25 @@ class OneShot:
     reproduce: str = ""
 
     def lacks(self, entry: Entry) -> str:
-        """Tools and options that are not claimed."""
+        """Tools and options that are not claimed, and what the format or the command cannot carry."""
         missing = [tool for tool in entry.tools if tool not in self.tools]
+        if entry.aux and not missing and not any("{aux}" in word for word in self.command):
+            missing.append("{aux} in the command")
+        if self.format != "ndjson" and not _FACE_TOOLS.issuperset(entry.tools):
+            missing.append("format ndjson")
         missing += [f"option {name}" for name, _ in _needed(entry.options) if name not in self.options]
         return ", ".join(missing)
 
-    def decode(self, entry: Entry, path: Path) -> Outcome:
+    def decode(self, entry: Entry, path: Path, aux: Path | None = None) -> Outcome:
         """Start the command for one vector, and wait for its end or for a limit."""
         command = list(self.command)
         for name, values in _needed(entry.options):
             command += [_filled(word, values) for word in self.options[name]]
         by_path = any("{input}" in word for word in command)
-        where = str(path.absolute())
-        command = [word.replace("{input}", where) for word in command]
+        if aux is None:
+            command = [word for word in command if "{aux}" not in word]
+        places = {"input": str(path.absolute()), "aux": str(aux.absolute()) if aux is not None else ""}
+        command = [_filled(word, {**places, "media": entry.media}) for word in command]
         try:
             ended = process.run(
                 command, None if by_path else path, seconds=self.timeout, output_bytes=self.output_bytes,
@@ -164,9 +176,8 @@ def _needed(options: DecodeOptions) -> list[tuple[str, dict[str, str]]]:
 
 
 def _filled(word: str, values: Mapping[str, str]) -> str:
-    for name, value in values.items():
-        word = word.replace("{" + name + "}", value)
-    return word
+    # In one go: what is put in may hold braces itself.
+    return re.sub(r"\{([a-z]+)\}", lambda match: values.get(match[1], match[0]), word)
 
 
 def from_command(text: str, *, format: str = "ndjson", timeout: float = DEFAULT_TIMEOUT) -> OneShot:

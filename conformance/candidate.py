@@ -1,6 +1,6 @@
-"""Reading what a decoder printed: CNF-1 lines, CSV rows, `.fap` text. Nothing of it is trusted.
+"""Reading what a decoder printed: CNF-1 and CNF-2 lines, CSV rows, `.fap` text. Nothing of it is trusted.
 
-Rules: CNF-1, CNF-9, CNF-25.
+Rules: CNF-1, CNF-2, CNF-9, CNF-25.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ import csv
 import io
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from typing import Any, Final
 
 from snhc.reference_impl.bitstream.errors import SnhcError
@@ -55,18 +56,18 @@ def _object(line: str, number: int) -> dict[str, Any]:
     return value
 
 
-def ndjson(text: bytes) -> list[Frame]:
-    """The frames of a face stream in CNF-1. Rules: CNF-1. Raises Malformed."""
+def ndjson(text: bytes, kind: str = "fba") -> list[Frame]:
+    """The frames of a stream of a kind. Rules: CNF-1, CNF-2. Raises Malformed."""
     lines = _lines(text)
     header = _object(lines[0], 1)
-    if header.get("format") != "snhc-decoded" or header.get("kind") != "fba":
-        raise Malformed(f"line 1 is no snhc-decoded header of kind fba: {lines[0][:80]!r}")
+    if header.get("format") != "snhc-decoded" or header.get("kind") != kind:
+        raise Malformed(f"line 1 is no snhc-decoded header of kind {kind}: {lines[0][:80]!r}")
     if header.get("version") != VERSION:
         raise Malformed(f"snhc-decoded version {header.get('version')!r}, known is {VERSION}")
     frames: list[Frame] = []
     for number, line in enumerate(lines[1:], 2):
         frame = _object(line, number)
-        fault = _frame_fault(frame)
+        fault = _FAULTS[kind](frame)
         if fault:
             raise Malformed(f"line {number}: {fault}")
         frames.append(frame)
@@ -77,16 +78,70 @@ def _is_integer(value: object) -> bool:
     return type(value) is int
 
 
-def _frame_fault(frame: Mapping[str, Any]) -> str:
-    missing = [key for key in ("index", "time", "intra", "faps", "viseme", "expression", "state") if key not in frame]
+def _head_fault(frame: Mapping[str, Any], keys: tuple[str, ...]) -> str:
+    missing = [key for key in keys if key not in frame]
     if missing:
         return f"no {', '.join(missing)}"
     if not _is_integer(frame["index"]):
         return f"index is {frame['index']!r}, not an integer"
-    if not isinstance(frame["time"], str) or not _TIME.fullmatch(frame["time"]):
+    if "time" in keys and (not isinstance(frame["time"], str) or not _TIME.fullmatch(frame["time"])):
         return f'time is {frame["time"]!r}, not "p/q"'
-    if not isinstance(frame["intra"], bool):
+    if "intra" in keys and not isinstance(frame["intra"], bool):
         return f"intra is {frame['intra']!r}, not true or false"
+    return ""
+
+
+def _mesh_fault(frame: Mapping[str, Any]) -> str:
+    fault = _head_fault(frame, ("index", "time", "intra", "nodes"))
+    if fault:
+        return fault
+    for key, size in (("nodes", 2), ("triangles", 3)):
+        rows = frame.get(key, [])
+        if not isinstance(rows, list) or not all(
+            isinstance(row, list) and len(row) == size and all(map(_is_integer, row)) for row in rows
+        ):
+            return f"{key} is not a list of {size} integers each"
+    order = frame.get("order", [])
+    if not isinstance(order, list) or not all(map(_is_integer, order)):
+        return "order is not a list of integers"
+    return ""
+
+
+def _is_number(value: object) -> bool:
+    # Beyond the range of float64 an integer cannot be compared with a float.
+    return (type(value) is float and isfinite(value)) or (type(value) is int and abs(value) < 1 << 1000)
+
+
+def _vertices_fault(frame: Mapping[str, Any]) -> str:
+    fault = _head_fault(frame, ("index", "time", "meshes"))
+    if fault:
+        return fault
+    if not isinstance(frame["meshes"], dict):
+        return "meshes is not an object"
+    for name, points in frame["meshes"].items():
+        if not isinstance(points, list) or not all(
+            isinstance(point, list) and len(point) == 3 and all(map(_is_number, point)) for point in points
+        ):
+            return f"mesh {name[:40]!r} is not a list of 3 numbers each"
+    return ""
+
+
+def _units_fault(frame: Mapping[str, Any]) -> str:
+    fault = _head_fault(frame, ("index", "units", "faps"))
+    if fault:
+        return fault
+    units, faps = frame["units"], frame["faps"]
+    if not isinstance(units, dict) or not all(map(_is_number, units.values())):
+        return "units is not an object of numbers"
+    if not isinstance(faps, list) or not all(value is None or _is_number(value) for value in faps):
+        return "faps is not a list of numbers and nulls"
+    return ""
+
+
+def _frame_fault(frame: Mapping[str, Any]) -> str:
+    fault = _head_fault(frame, ("index", "time", "intra", "faps", "viseme", "expression", "state"))
+    if fault:
+        return fault
     faps = frame["faps"]
     if not isinstance(faps, list) or len(faps) != _FAPS:
         return "faps is not a list of 68"
@@ -100,6 +155,11 @@ def _frame_fault(frame: Mapping[str, Any]) -> str:
     if not isinstance(frame["state"], str) or not _STATE.fullmatch(frame["state"]):
         return "state is not 68 letters"
     return ""
+
+
+_FAULTS: Final[dict[str, Callable[[Mapping[str, Any]], str]]] = {
+    "fba": _frame_fault, "faces": _frame_fault, "mesh": _mesh_fault, "vertices": _vertices_fault, "fapu": _units_fault,
+}  # fmt: skip
 
 
 def csv_rows(text: bytes) -> list[Frame]:
@@ -159,3 +219,14 @@ def fap_text(text: bytes) -> list[FapTextFrame]:
         return list(FapReader(io.BytesIO(text)))
     except SnhcError as error:
         raise Malformed(f"output is no .fap text: {error}") from error
+
+
+def document_fap(lines: Sequence[str]) -> list[FapTextFrame]:
+    """Decoded lines of a coefficient document as the frames of a `.fap` text. Rules: FBA-54, DCT-13."""
+    out: list[FapTextFrame] = []
+    for line in lines:
+        frame = json.loads(line)
+        mask = tuple(int(letter == "T") for letter in frame["state"])
+        values = [value if sent else None for value, sent in zip(frame["faps"], mask, strict=True)]
+        out.append(FapTextFrame(frame["index"], mask, values))
+    return out

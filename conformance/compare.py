@@ -1,11 +1,12 @@
 """Comparators: from what a decoder did to a status.
 
-Rules: CNF-9, CNF-15, CNF-16 (exact, reject, ambiguous), CNF-19, CNF-21, CNF-26.
+Rules: CNF-9, CNF-15, CNF-16, CNF-19, CNF-21, CNF-25, CNF-26, DCT-8. What differs is found in `differences`.
 
-* A valid vector: exit 0 and every line equal. `.fap` text holds less (FBA-54): the frames with FAP data, their
-  distance, and what was transmitted.
-* An invalid vector: exit 1; class and bits are held against the manifest where the decoder names them. Where it may
-  conceal: exit 0, well-formed output, and all lines before the fault equal, and more of them
+* A valid vector: exit 0 and every line equal; FAPs that come from DCT segments and floats within the vector's
+  tolerance. The triangles of a mesh are a set, but where the vector is about their order (MSH-21). `.fap` text holds
+  less (FBA-54): the frames with FAP data, their distance, and what was transmitted.
+* An invalid vector: exit 1; class and place (bits, or path and line) are held against the manifest where the decoder
+  names them. Where it may conceal: exit 0, well-formed output, and all lines before the fault equal, and more of them
   unless the data ends there.
 * An ambiguous vector: as any one of its readings.
 * Exit 1 with the traceback of a run-time system is a crash, not a rejection.
@@ -15,49 +16,30 @@ Rules: CNF-9, CNF-15, CNF-16 (exact, reject, ambiguous), CNF-19, CNF-21, CNF-26.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, Final
 
 from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.face.dct_comparison import first_mismatch
 from snhc.reference_impl.face.fap_text import FapTextFrame
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.rules import ambiguity
 from snhc.reference_impl.syntax.element import Readings
 from snhc.reference_impl.systems.output import FapFrames
 from snhc.reference_impl.systems.stream import decode_planes
-from snhc.vectors.decoding import decode
-from snhc.vectors.manifest import CONCEAL, REJECT, Accepted, Entry, Rejected
+from snhc.vectors.dct_tolerance import Unrounded, unrounded_planes
+from snhc.vectors.decoding import decode_input
+from snhc.vectors.manifest import CONCEAL, DOCUMENTS, REJECT, Accepted, Entry, Rejected
 
 from .adapters import REJECTED, Outcome
-from .candidate import Frame, Malformed, csv_rows, fap_text, ndjson
+from .candidate import Frame, Malformed, csv_rows, document_fap, fap_text, ndjson
+from .differences import Difference, Near, difference_of, exactly, fap_difference, float_difference, mesh_difference
 
 STATUSES: Final = ("pass", "fail", "error", "timeout", "crash", "skipped", "not_applicable", "xfail", "xpass")
 BAD: Final = ("fail", "error", "timeout", "crash", "xpass")
-
-_PARSERS: Final[dict[str, Callable[[bytes], list[Frame]]]] = {"ndjson": ndjson, "csv": csv_rows}
-_EXTRA: Final = ("gender", "coding_type", "fap_quant", "baps")
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """The first thing that differs.
-
-    Rules: CNF-16, CNF-17. `frame`: line index, from 0. `what`: `faps`, `state`, `time`, `viseme.blend`, ...,
-    `missing frame`, `extra frame`. `fap`: its number where one FAP is at fault.
-    """
-
-    frame: int
-    what: str
-    fap: int | None
-    reference: Any
-    candidate: Any
-
-    def __str__(self) -> str:
-        place = f"frame {self.frame}, {self.what if self.fap is None else f'FAP {self.fap} ({self.what})'}"
-        return f"{place}: reference {self.reference}, candidate {self.candidate}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +99,7 @@ def _said(stderr: bytes) -> dict[str, Any]:
             value = json.loads(line)
         except (ValueError, RecursionError):
             continue
-        if isinstance(value, dict) and value.keys() & {"class", "bits", "bit"}:
+        if isinstance(value, dict) and value.keys() & {"class", "bits", "bit", "path", "line"}:
             return value
     return {}
 
@@ -135,10 +117,18 @@ def _accepted(
     readings: Readings,
 ) -> Verdict:
     if outcome.code == REJECTED:
-        what = f" ({said.get('class', 'no class')} at {said.get('bits', said.get('bit', 'no place'))})" if said else ""
+        what = (
+            f" ({said.get('class', 'no class')} at {said.get('bits', said.get('bit', said.get('path', 'no place')))})"
+            if said
+            else ""
+        )
         return Verdict("fail", f"a valid stream was rejected{what}")
     difference = _against_file(entry, expect, outcome, suite, format, readings)
     return Verdict("pass") if difference is None else Verdict("fail", str(difference), difference)
+
+
+def _parsed(format: str, text: bytes, kind: str) -> list[Frame]:
+    return csv_rows(text) if format == "csv" else ndjson(text, kind)
 
 
 def _against_file(
@@ -146,92 +136,88 @@ def _against_file(
 ) -> Difference | None:
     wanted = (suite / expect.file).read_bytes()
     if format == "fap":
-        return fap_difference(_reference_fap(entry, suite, readings), fap_text(outcome.stdout))
+        texts, unrounded = _reference_fap(entry, suite, readings)
+        return fap_difference(texts, fap_text(outcome.stdout), _face_near(entry, unrounded))
     if format == "ndjson" and outcome.stdout == wanted:
         return None
-    return difference_of(ndjson(wanted), _PARSERS[format](outcome.stdout))
+    reference, candidate = ndjson(wanted, expect.kind), _parsed(format, outcome.stdout, expect.kind)
+    return _difference(entry, expect.kind, reference, candidate, suite, readings)
 
 
-def _reference_fap(entry: Entry, suite: Path, readings: Readings) -> list[FapTextFrame]:
-    frames = FapFrames(readings)
-    out: list[FapTextFrame] = []
+def _difference(
+    entry: Entry,
+    kind: str,
+    reference: Sequence[Frame],
+    candidate: Sequence[Frame],
+    suite: Path,
+    readings: Readings,
+    prefix: bool = False,
+) -> Difference | None:
+    if kind == "mesh":
+        # What the vector shows is then the order itself.
+        return mesh_difference(reference, candidate, ordered="MSH-21" in entry.rules, prefix=prefix)
+    if kind in ("vertices", "fapu"):
+        bound = entry.tolerance.bound if entry.tolerance is not None else 0.0
+        return float_difference(reference, candidate, bound, prefix=prefix)
+    found = difference_of(reference, candidate, prefix=prefix)
+    if found is None or entry.tolerance is None:
+        return found
+    # Only now is it worth while to compute what stands before rounding.
+    return difference_of(reference, candidate, _face_near(entry, _unrounded(entry, suite, readings)), prefix=prefix)
+
+
+def _unrounded(entry: Entry, suite: Path, readings: Readings) -> list[Unrounded]:
+    data = (suite / entry.file).read_bytes()
+    if entry.media in DOCUMENTS:
+        from snhc.vectors.documents import unrounded
+
+        return unrounded(data, readings)
+    return [row for _, rows in _face_planes(entry, data, readings) for row in rows]
+
+
+def _face_planes(entry: Entry, data: bytes, readings: Readings) -> Iterator[tuple[FbaPlane, list[Unrounded]]]:
+    """The planes before the first fault, with what stands before rounding."""
+    planes: list[FbaPlane] = []
     try:
-        for plane in decode_planes((suite / entry.file).read_bytes(), entry.options.for_decoder(readings)):
+        for plane in decode_planes(data, entry.options.for_decoder(readings)):
             if isinstance(plane, FbaPlane):
-                out += frames.of(plane)
+                planes.append(plane)
     except SnhcError:
         # What stands before the fault is wanted.
-        return out
-    return out
+        return unrounded_planes(planes, readings)
+    return unrounded_planes(planes, readings)
 
 
-def difference_of(reference: Sequence[Frame], candidate: Sequence[Frame], *, prefix: bool = False) -> Difference | None:
-    """The first difference of two decoded face streams, None if they agree.
+def _face_near(entry: Entry, unrounded: Sequence[Unrounded]) -> Near:
+    """DCT-8: a value from a segment may differ by 1, within the bound of what stands before rounding."""
+    if entry.tolerance is None:
+        return exactly
+    bound = entry.tolerance.bound
 
-    Rules: CNF-1, CNF-16. Keys that the candidate has not, and that CNF-1 does not demand, are not compared. `prefix`:
-    the candidate may go on after the last frame of the reference.
-    """
-    for i, (ours, theirs) in enumerate(zip(reference, candidate, strict=False)):
-        found = _frame_difference(i, ours, theirs)
-        if found is not None:
-            return found
-    if len(candidate) < len(reference):
-        return Difference(len(candidate), "missing frame", None, f"{len(reference)} frames", f"{len(candidate)} frames")
-    if len(candidate) > len(reference) and not prefix:
-        return Difference(len(reference), "extra frame", None, f"{len(reference)} frames", f"{len(candidate)} frames")
-    return None
+    def near(line: int, fap: int, reference: int | None, candidate: int | None) -> bool:
+        if reference is None or candidate is None or line >= len(unrounded):
+            return reference == candidate
+        value = unrounded[line][fap - 1]
+        if value is None:
+            return reference == candidate
+        return first_mismatch([reference], [candidate], bound, [value]) is None
 
-
-def _frame_difference(i: int, ours: Frame, theirs: Frame) -> Difference | None:
-    for number, (a, b) in enumerate(zip(ours["faps"], theirs["faps"], strict=True), 1):
-        if a != b:
-            return Difference(i, "faps", number, a, b)
-    for name, fap in (("viseme", 1), ("expression", 2)):
-        a, b = ours[name], theirs[name]
-        if a is None or b is None:
-            if a is not b:
-                return Difference(i, name, fap, a, b)
-            continue
-        for key in a:
-            if a[key] != b[key]:
-                return Difference(i, f"{name}.{key}", fap, a[key], b[key])
-    for number, (a, b) in enumerate(zip(ours["state"], theirs["state"], strict=True), 1):
-        if a != b:
-            return Difference(i, "state", number, a, b)
-    if Fraction(ours["time"]) != Fraction(theirs["time"]):
-        return Difference(i, "time", None, ours["time"], theirs["time"])
-    for key in ("intra", "index"):
-        if ours[key] != theirs[key]:
-            return Difference(i, key, None, ours[key], theirs[key])
-    for key in _EXTRA:
-        if key in ours and key in theirs and ours[key] != theirs[key]:
-            return Difference(i, key, None, ours[key], theirs[key])
-    return None
+    return near
 
 
-def fap_difference(
-    reference: Sequence[FapTextFrame], candidate: Sequence[FapTextFrame], *, prefix: bool = False
-) -> Difference | None:
-    """The first difference of two `.fap` texts. Rules: FBA-54, CNF-16. Frame numbers count from the first frame."""
-    for i, (ours, theirs) in enumerate(zip(reference, candidate, strict=False)):
-        for number, (a, b) in enumerate(zip(ours.mask, theirs.mask, strict=True), 1):
-            if a != b:
-                return Difference(i, "mask", number, a, b)
-        for number, (x, y) in enumerate(zip(ours.values, theirs.values, strict=True), 1):
-            if x != y:
-                return Difference(i, "faps", number, x, y)
-        if ours.viseme != theirs.viseme:
-            return Difference(i, "viseme", 1, ours.viseme, theirs.viseme)
-        if ours.expression != theirs.expression:
-            return Difference(i, "expression", 2, ours.expression, theirs.expression)
-        a, b = ours.number - reference[0].number, theirs.number - candidate[0].number
-        if a != b:
-            return Difference(i, "frame number", None, a, b)
-    if len(candidate) < len(reference):
-        return Difference(len(candidate), "missing frame", None, f"{len(reference)} frames", f"{len(candidate)} frames")
-    if len(candidate) > len(reference) and not prefix:
-        return Difference(len(reference), "extra frame", None, f"{len(reference)} frames", f"{len(candidate)} frames")
-    return None
+def _reference_fap(entry: Entry, suite: Path, readings: Readings) -> tuple[list[FapTextFrame], list[Unrounded]]:
+    frames = FapFrames(readings)
+    data = (suite / entry.file).read_bytes()
+    texts: list[FapTextFrame] = []
+    unrounded: list[Unrounded] = []
+    if entry.media in DOCUMENTS:
+        decoded = decode_input(entry.media, data, None, entry.options.for_decoder(readings))
+        return document_fap(decoded.lines[1:]), _unrounded(entry, suite, readings)
+    for plane, rows in _face_planes(entry, data, readings):
+        texts += frames.of(plane)
+        if plane.faps is not None:
+            unrounded += rows
+    return texts, unrounded
 
 
 # -- rejected ----------------------------------------------------------------------------------------------------------
@@ -240,7 +226,7 @@ def fap_difference(
 def _rejected(
     entry: Entry, expect: Rejected, outcome: Outcome, said: Mapping[str, Any], suite: Path, format: str
 ) -> Verdict:
-    wanted = f"{expect.error_class} ({expect.rule}) at bits {list(expect.bits)}"
+    wanted = f"{expect.error_class} ({expect.rule}) at {expect.place or 'no place'}"
     if outcome.code == 0:
         if CONCEAL not in expect.allowed:
             return Verdict("fail", f"a broken stream was accepted, expected {wanted}")
@@ -249,10 +235,31 @@ def _rejected(
         return Verdict("fail", "the stream was rejected, the decoder has to go on")
     if "class" in said and said["class"] != expect.error_class:
         return Verdict("fail", f"rejected as {said['class']!r}, expected {wanted}")
-    span = _span(said)
-    if span is not None and not overlap(span, expect.bits):
-        return Verdict("fail", f"rejected at bits {list(span)}, expected {wanted}")
+    elsewhere = _elsewhere(expect, said)
+    if elsewhere:
+        return Verdict("fail", f"rejected at {elsewhere}, expected {wanted}")
     return Verdict("pass", "" if said else "rejected, no class and no place named")
+
+
+def _elsewhere(expect: Rejected, said: Mapping[str, Any]) -> str:
+    """The place that a decoder names, if it is not that of the manifest; "" if it is, or if none is named."""
+    if expect.bits is not None:
+        span = _span(said)
+        return f"bits {list(span)}" if span is not None and not overlap(span, expect.bits) else ""
+    path, line = said.get("path"), said.get("line")
+    if path is not None and not isinstance(path, str):
+        raise Malformed(f"path is {path!r}, not a text")
+    if line is not None and type(line) is not int:
+        raise Malformed(f"line is {line!r}, not an integer")
+    if path and expect.path and not related(path, expect.path):
+        return f"path {path}"
+    return f"line {line}" if line is not None and expect.line is not None and line != expect.line else ""
+
+
+def related(a: str, b: str) -> bool:
+    """Whether one path leads to the other: a decoder may name the list for its entry. Rules: CNF-25."""
+    steps = [re.findall(r"[^.\[\]]+", path) for path in (a, b)]
+    return all(x == y for x, y in zip(*steps, strict=False))
 
 
 def _span(said: Mapping[str, Any]) -> tuple[int, int] | None:
@@ -283,12 +290,20 @@ _NOTHING_FOLLOWS: Final = ("Truncated", "ResourceLimit")
 def _concealed(entry: Entry, expect: Rejected, outcome: Outcome, suite: Path, format: str) -> Verdict:
     found: Difference | None
     if format == "fap":
-        texts, got = _reference_fap(entry, suite, Readings()), fap_text(outcome.stdout)
-        found, before, given = fap_difference(texts, got, prefix=True), len(texts), len(got)
+        texts, unrounded = _reference_fap(entry, suite, Readings())
+        got = fap_text(outcome.stdout)
+        found, before, given = (
+            fap_difference(texts, got, _face_near(entry, unrounded), prefix=True),
+            len(texts),
+            len(got),
+        )
     else:
-        decoded = decode((suite / entry.file).read_bytes(), entry.options.for_decoder())
-        lines, frames = ndjson(decoded.text.encode()), _PARSERS[format](outcome.stdout)
-        found, before, given = difference_of(lines, frames, prefix=True), len(lines), len(frames)
+        aux = (suite / entry.aux).read_bytes() if entry.aux else None
+        decoded = decode_input(entry.media, (suite / entry.file).read_bytes(), aux, entry.options.for_decoder())
+        lines = ndjson(decoded.text.encode(), decoded.kind)
+        frames = _parsed(format, outcome.stdout, decoded.kind)
+        found = _difference(entry, decoded.kind, lines, frames, suite, Readings(), prefix=True)
+        before, given = len(lines), len(frames)
     if found is not None:
         return Verdict("fail", f"the fault was concealed, but before it: {found}", found)
     if given == before and expect.error_class not in _NOTHING_FOLLOWS:

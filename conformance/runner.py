@@ -17,7 +17,8 @@ from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.vectors.manifest import SUITE, Accepted, Entry, Expect, Manifest
 
 from .adapters import Adapter, BuiltIn
-from .compare import BAD, Difference, Verdict, judge
+from .compare import BAD, Verdict, judge
+from .differences import Difference
 from .where import Location, locate
 
 GOOD = 0
@@ -75,7 +76,8 @@ def verify(entries: Iterable[Entry], suite: Path) -> None:
     """Hold the files of a suite against their checksums. Rules: CNF-3. Raises InputFormat for one that differs."""
     for entry in entries:
         expects: list[Expect] = [entry.expect, *(e for readings in entry.readings.values() for e in readings.values())]
-        files = {entry.file: entry.sha256} | {e.file: e.sha256 for e in expects if isinstance(e, Accepted)}
+        files = {entry.file: entry.sha256} | ({entry.aux: entry.aux_sha256} if entry.aux else {})
+        files |= {e.file: e.sha256 for e in expects if isinstance(e, Accepted)}
         for name, checksum in files.items():
             path = suite / name
             if not path.resolve().is_relative_to(suite.resolve()) or not path.is_file():
@@ -130,7 +132,7 @@ def _one(adapter: Adapter, entry: Entry, suite: Path) -> Result:
     if lacks:
         verdict = Verdict("not_applicable", f"not claimed: {lacks}")
     else:
-        outcome = adapter.decode(entry, suite / entry.file)
+        outcome = adapter.decode(entry, suite / entry.file, suite / entry.aux if entry.aux else None)
         seconds = outcome.seconds
         verdict = judge(entry, outcome, suite, adapter.format)
     location: Location | None = None

@@ -11,9 +11,9 @@ from typing import Any
 
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.systems.stream import TracePart, trace_stream
-from snhc.vectors.manifest import Entry
+from snhc.vectors.manifest import DOCUMENTS, Entry
 
-from .compare import Difference
+from .differences import Difference
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +62,12 @@ _CARRIERS = {
 
 
 def locate(entry: Entry, suite: Path, difference: Difference, *, fap_frames: bool = False) -> Location | None:
-    """The place of a difference, by the reference trace; None where the stream has no such plane.
+    """The place of a difference, by the reference trace; None where the stream has no such plane, and for documents.
 
     Rules: CNF-17. `fap_frames`: the frames are those of a `.fap` text, which leaves out planes without FAP data.
     """
+    if entry.media in DOCUMENTS:
+        return None
     data = (suite / entry.file).read_bytes()
     frame = 0
     number = 0

@@ -267,11 +267,12 @@ def streams(draw: Draw, max_planes: int = 6, draft: bool | None = None) -> Strea
     items: list[StreamItem] = []
     count = draw(st.sampled_from((1, 1, 1, 2)))
     for number in range(count):
-        if draw(st.booleans()):
+        in_sequence = draw(st.booleans())
+        if in_sequence:
             item = StreamItem(0x1B0)
             item.profile = draw(st.sampled_from((0x61, 0x62, 0x63, 0x64, 0xFE)) | st.integers(0, 255))
             items += [item, *user_data(draw)]
-        if draw(st.booleans()):
+        if in_sequence or draw(st.booleans()):
             item = StreamItem(0x1B5)
             item.header = VisualObjectHeader()
             item.header.type = 4

@@ -69,7 +69,7 @@ def linear(*coefs: float) -> Function:
 
 
 def fit_table(sets: Sequence[Sequence[int]], links: Sequence[Link], impulses: Sequence[int] = ()) -> JsonTable:
-    """The nine fields of a FIT node. Rules: FIT-1, FIT-2, FIT-3, FIT-5. `impulses`: pairs, in the order of the terms."""
+    """The nine fields of a FIT node. Rules: FIT-1, FIT-2, FIT-3, FIT-5. `impulses`: pairs, as the terms stand."""
     out: JsonTable = {
         "FAPs": [entry for faps in sets for entry in (*faps, -1)],
         "Graph": [number for parent, child, _ in links for number in (parent, child)],

@@ -223,7 +223,7 @@ def _written_back(recipe: Recipe, build: Accept, data: bytes) -> None:
 
 def _spelled_out(
     lines: Sequence[str],
-    values: Mapping[tuple[int, int], int | None],
+    values: Mapping[tuple[int, int], float | None],
     points: Mapping[tuple[int, str], Sequence[Sequence[float]]],
     states: Mapping[tuple[int, int], str] | None = None,
     units: Mapping[str, float] | None = None,

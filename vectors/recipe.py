@@ -56,7 +56,7 @@ class Accept:
     stream: Stream
     same_as: bytes | None = None
     lines: int | None = None
-    values: Mapping[tuple[int, int], int | None] = field(default_factory=dict)
+    values: Mapping[tuple[int, int], float | None] = field(default_factory=dict)
     times: Mapping[int, str] = field(default_factory=dict)
     states: Mapping[tuple[int, int], str] = field(default_factory=dict)
     text: Mapping[int, str] = field(default_factory=dict)

@@ -5,6 +5,7 @@ Rules: CNF-4, CNF-19.
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
@@ -40,8 +41,8 @@ def command(check: bool, suite: Path | None, common: Common) -> None:
             lines = lines or ["the suite is what the recipes make"]
         else:
             files = generate(folder)
-            vectors = sum(not name.endswith((".ndjson", ".json")) for name in files)
-            lines = [f"{vectors} vectors, {len(files)} files with {MANIFEST_NAME} in {folder}"]
+            vectors = json.loads(files[MANIFEST_NAME])["vectors"]
+            lines = [f"{len(vectors)} vectors, {len(files)} files with {MANIFEST_NAME} in {folder}"]
     except RecipeFault as error:
         failed = True
         click.echo(f"recipe: {error}", err=True)

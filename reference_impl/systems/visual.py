@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Final, final
 
 from ..bitstream.errors import (
+    ForbiddenValue,
     InconsistentSemantics,
     InputFormat,
     ReservedValue,
@@ -47,7 +48,7 @@ VISUAL_OBJECT_TYPE: Final = Element(
     "visual_object_type", "SYS-4", lo=1, hi=5, fault=ReservedValue,
     meaning={1: "video", 2: "still texture", 3: "mesh", 4: "FBA", 5: "3D mesh"},
 )  # fmt: skip
-STUFFING: Final = Element("stuffing", "FBA-3", fault=InconsistentSemantics)
+STUFFING: Final = Element("stuffing", "FBA-3")
 TRAILING: Final = Element("trailing_data", "FBA-3")
 
 TYPE_MESH: Final = 3
@@ -67,11 +68,25 @@ _NOT_BUILT: Final = Fault(
 )
 _NO_OBJECT: Final = Fault(InconsistentSemantics, "FBA-1", "start code", "an object before it")
 _WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the object that visual_object_type names")
-_NO_OBJECT_LEFT: Final = Fault(
-    Truncated, "SYS-6", "start code", "the object that visual_object_type names before the end of the data"
-)
+_NO_VISUAL_OBJECT: Final = Fault(InconsistentSemantics, "SYS-2", "start code", "visual_object or user_data")
 _TRAILING: Final = Fault(TrailingData, "FBA-3", "data behind the end", "nothing, or another sequence or object")
+_OPEN_USER_DATA: Final = Fault(Truncated, "SYS-5", "user_data", "a start code behind it")
 _USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
+
+
+# Where a stream stands: what may come next depends on it.
+_BEGIN: Final = 0
+_IN_SEQUENCE: Final = 1  # behind visual_object_sequence: a visual object must come (SYS-2)
+_IN_OBJECT: Final = 2  # behind visual_object: the object that it names must come (SYS-6)
+_BEHIND_OBJECT: Final = 3
+_CLOSED: Final = 4
+_OPEN: Final = (_IN_SEQUENCE, _IN_OBJECT)
+_ENDS_EARLY: Final = {
+    _IN_SEQUENCE: Fault(Truncated, "SYS-2", "start code", "visual_object before the end of the data"),
+    _IN_OBJECT: Fault(
+        Truncated, "SYS-6", "start code", "the object that visual_object_type names before the end of the data"
+    ),
+}
 
 
 @final
@@ -128,73 +143,89 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
     Rules: SYS-1..7, FBA-1, FBA-3, FBA-44. `items`: for a reader, fresh items without end; for a writer, the items to
     write.
     """
-    first = True
-    in_sequence = False
+    phase = _BEGIN
     expected = 0  # visual_object_type that the next object must have; 0: any
+    in_sequence = False
     while True:
         item = next(items, None)
         if io.at_end(item is None):
-            if first and io.reading:
+            if phase == _BEGIN and io.reading:
                 _refuse(io, -1, 0)
-            io.require(expected == 0, _NO_OBJECT_LEFT, None, io.tell(), io.tell())
+            io.require(phase not in _OPEN, _ENDS_EARLY.get(phase, _WRONG_OBJECT), None, io.tell(), io.tell())
             break
         assert item is not None
         item.start = io.tell()
         item.code = io.next_code(item.code)
         code = item.code
-        if code == VISUAL_OBJECT_SEQUENCE:
+        is_object = (is_fba_object(io, code) and expected in (0, TYPE_FBA)) or (
+            code == MESH_OBJECT and expected in (0, TYPE_MESH)
+        )
+        if code == VISUAL_OBJECT_SEQUENCE and phase not in _OPEN:
+            if phase == _BEHIND_OBJECT:
+                io.finding(
+                    "no-end-code", "a sequence begins before the last one has ended", item.start, item.start + 32
+                )
             in_sequence = True
+            phase = _IN_SEQUENCE
             _sequence_header(io, item)
             yield item, None
-        elif code == VISUAL_OBJECT_SEQUENCE_END and not first:
+        elif code == VISUAL_OBJECT and phase != _IN_OBJECT:
+            _bare(io, in_sequence, item.start)
+            phase = _IN_OBJECT
+            expected = _visual_object(io, item)
+            yield item, None
+        elif code == USER_DATA and phase in _OPEN:
+            _user_data(io, item)
+            yield item, None
+        elif is_object and phase != _IN_SEQUENCE:
+            if not expected:
+                _bare(io, in_sequence, item.start)
+            yield from _object(io, item)
+            phase = _BEHIND_OBJECT
+            expected = 0
+            yield item, None
+        elif code == VISUAL_OBJECT_SEQUENCE_END and phase == _BEHIND_OBJECT:
             io.u(SEQUENCE_END_CODE, 32, code)
             item.end = io.tell()
             in_sequence = False
-            expected = 0
+            phase = _CLOSED
             yield item, None
-        elif code == USER_DATA and (in_sequence or expected):
-            _user_data(io, item)
-            yield item, None
-        elif code == VISUAL_OBJECT:
-            _bare(io, in_sequence, item.start)
-            expected = _visual_object(io, item)
-            yield item, None
-        elif is_fba_object(io, code):
-            if not expected:
-                _bare(io, in_sequence, item.start)
-            io.require(expected in (0, TYPE_FBA), _WRONG_OBJECT, f"{code:08x}", item.start, item.start + 32)
-            if item.fba is None:
-                item.fba = FbaObject()
-            item.fba.start_code = code
-            yield item, None
-            planes = iter(item.fba.planes) if not io.reading else _fresh_planes()
-            for plane in fba_object(io, item.fba, planes):
-                yield item, plane
-            item.end = io.tell()
-            expected = 0
-            yield item, None
-        elif code == MESH_OBJECT:
-            if not expected:
-                _bare(io, in_sequence, item.start)
-            io.require(expected in (0, TYPE_MESH), _WRONG_OBJECT, f"{code:08x}", item.start, item.start + 32)
-            if item.mesh is None:
-                item.mesh = MeshObject()
-            yield item, None
-            mesh_planes = iter(item.mesh.planes) if not io.reading else _fresh_mesh_planes()
-            for mesh_plane in mesh_object(io, item.mesh, mesh_planes):
-                yield item, mesh_plane
-            item.end = io.tell()
-            expected = 0
-            yield item, None
-        elif expected:
-            end = item.start + (32 if code > 0 else io.bits_left(32))
-            io.require(False, _WRONG_OBJECT, f"{code:08x}" if code > 0 else None, item.start, end)
-        elif first:
+        elif phase in _OPEN:
+            _misplaced(io, code, item.start, phase)
+        elif phase == _BEGIN:
             _refuse(io, code, item.start)
         else:
             _trailing(io, item)
             yield item, None
-        first = False
+
+
+def _object(io: SyntaxIO, item: StreamItem) -> Iterator[tuple[StreamItem, AnyPlane | None]]:
+    """The item of an object, then each of its planes."""
+    if item.code == MESH_OBJECT:
+        if item.mesh is None:
+            item.mesh = MeshObject()
+        yield item, None
+        mesh_planes = iter(item.mesh.planes) if not io.reading else _fresh_mesh_planes()
+        for mesh_plane in mesh_object(io, item.mesh, mesh_planes):
+            yield item, mesh_plane
+    else:
+        if item.fba is None:
+            item.fba = FbaObject()
+        item.fba.start_code = item.code
+        yield item, None
+        planes = iter(item.fba.planes) if not io.reading else _fresh_planes()
+        for plane in fba_object(io, item.fba, planes):
+            yield item, plane
+    item.end = io.tell()
+
+
+def _misplaced(io: SyntaxIO, code: int, start: int, phase: int) -> None:
+    """What must stand here is not there: another start code, other bytes, or too few of them."""
+    bits = io.bits_left(32) if code < 0 else 32
+    if bits < 32:
+        io.require(False, _ENDS_EARLY[phase], None, start, start + bits)
+    value = f"{code:08x}" if code >= 0 else io.head(4).hex()
+    io.require(False, _NO_VISUAL_OBJECT if phase == _IN_SEQUENCE else _WRONG_OBJECT, value, start, start + 32)
 
 
 def _fresh_planes() -> Iterator[FbaPlane]:
@@ -249,6 +280,8 @@ def _user_data(io: SyntaxIO, item: StreamItem) -> None:
         io.require(False, fault, count, item.start, io.tell() + 8 * count)
     item.user_data = io.raw(USER_DATA_BYTES, count, item.user_data)
     item.end = io.tell()
+    # Only a start code ends user data, and an object must follow it anyway.
+    io.require(not io.reading or not io.at_end(False), _OPEN_USER_DATA, None, item.start, item.end)
 
 
 def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
@@ -268,7 +301,7 @@ def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
     stuffing = (1 << (width - 1)) - 1
     start = io.tell()
     read = io.u(STUFFING, width, stuffing)
-    wrong = Fault(InconsistentSemantics, "FBA-3", "stuffing", f"{stuffing:0{width}b}")
+    wrong = Fault(ForbiddenValue, "FBA-3", "stuffing", f"{stuffing:0{width}b}")
     io.require(read == stuffing, wrong, f"{read:0{width}b}", start, io.tell())
     item.end = io.tell()
     return header.type

@@ -62,9 +62,7 @@ def test_295_columns() -> None:
     refused(file_of(295), InputFormat, 2, 590, strict=True)
 
 
-@pytest.mark.parametrize(
-    ("width", "column"), [(185, 370), (187, 374), (294, 588), (297, 593), (68, 136), (69, 138)]
-)
+@pytest.mark.parametrize(("width", "column"), [(185, 370), (187, 374), (294, 588), (297, 593), (68, 136), (69, 138)])
 def test_other_widths_are_refused(width: int, column: int) -> None:
     error = refused(file_of(width), InputFormat, 2, column)
     assert (error.rule, error.value, error.expected) == ("FBA-53", str(width), "186 or 296")
@@ -120,9 +118,7 @@ def test_what_no_text_holds() -> None:
     st.integers(1, 10**6),
 )
 @settings(deadline=None)
-def test_reading_what_was_written_gives_the_same(
-    drawn: list[tuple[int, int, dict[int, int]]], rate: int
-) -> None:
+def test_reading_what_was_written_gives_the_same(drawn: list[tuple[int, int, dict[int, int]]], rate: int) -> None:
     frames: list[BapTextFrame] = []
     number = 0
     for width, gap, values in drawn:

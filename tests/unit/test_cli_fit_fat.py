@@ -271,10 +271,12 @@ def test_streams_texts_and_tables(table: Path) -> None:
     assert check(fap).exit_code == 0
 
 
-def test_negative_values_of_unidirectional_faps(tmp_path: Path) -> None:
-    mask = " ".join("1" if fap == 3 else "0" for fap in range(1, 69))
+def test_negative_values_of_unidirectional_faps_where_they_are_sent(tmp_path: Path) -> None:
     stream = tmp_path / "s.fba"
-    text = f"2.1 test 25 2\n{mask}\n0 -40\n{mask}\n1 10\n"
-    assert run("encode", "-", "-o", stream, stdin=text).exit_code == 0
+    masks = [" ".join("1" if fap == sent else "0" for fap in range(1, 69)) for sent in (3, 48, 3)]
+    text = f"2.1 test 25 3\n{masks[0]}\n0 -40\n{masks[1]}\n1 500\n{masks[2]}\n2 10\n"
+    assert run("encode", "-", "--intra-period", "1", "-o", stream, stdin=text).exit_code == 0
+    states = [row["state"][2] for row in rows(run("decode", stream, "--quiet").stdout)[1:]]
+    assert states == ["T", "R", "T"]
     found = [row for row in rows(check(stream.read_bytes()).stdout) if row["id"] == "negative-unidirectional"]
     assert [row["path"] for row in found] == ["frame[0].faps[2]"]

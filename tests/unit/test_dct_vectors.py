@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
-from jsonschema import Draft202012Validator
 from strategies_dct import check_plainly
 
 from snhc.reference_impl.face.coefficients import parse_document
 from snhc.reference_impl.face.dct_comparison import first_mismatch
 from snhc.reference_impl.face.dct_transform import ac_step, inverse_transform
 from snhc.reference_impl.face.records import FbaPlane
-from snhc.reference_impl.rules import rules
 from snhc.reference_impl.systems.stream import decode_planes, write_stream
 from snhc.vectors.builders import intra, stream
 from snhc.vectors.dct_builders import coefficients, dct_inter, dct_intra, listed
 from snhc.vectors.dct_tolerance import of_document, of_planes
-from snhc.vectors.manifest import SCHEMA_FILE
+from snhc.vectors.making import RecipeFault, make
+from snhc.vectors.manifest import SUITE, load
 from snhc.vectors.recipe import RECIPES, Accept, all_recipes
 from snhc.vectors.recipes import dct_coefficients
 
@@ -26,37 +26,29 @@ def face_planes(data: bytes) -> list[FbaPlane]:
     return [plane for plane in decode_planes(data) if isinstance(plane, FbaPlane)]
 
 
-@pytest.mark.parametrize("name", dct_coefficients.RECIPES)
-def test_coefficient_vector(name: str) -> None:
-    recipe = dct_coefficients.RECIPES[name]
-    assert recipe.description
-    assert set(recipe.rules) <= set(rules())
-    made = dct_coefficients.make(recipe)
-    assert made == dct_coefficients.make(recipe)
-    if name != "dct.coefficients.error.not-json":
-        json.loads(made.data)
-    assert (made.tolerance is None) == (made.fault is not None)
-    if made.tolerance is not None:
-        schema = json.loads(SCHEMA_FILE.read_text())["$defs"]["vector"]["properties"]["tolerance"]
-        Draft202012Validator({"$defs": json.loads(SCHEMA_FILE.read_text())["$defs"], **schema}).validate(
-            made.tolerance.as_json()
-        )
-        assert made.tolerance.bound >= 0.5
+def test_coefficient_vectors_have_a_bound_and_faults_a_path() -> None:
+    entries = [entry for entry in load().entries if entry.media == "dctcoef"]
+    assert len(entries) >= 30
+    for entry in entries:
+        if entry.kind == "invalid":
+            assert entry.tolerance is None
+        else:
+            assert entry.tolerance is not None and entry.tolerance.model == "dct-8" and entry.tolerance.bound >= 0.5
+
+
+def test_bitstreams_with_coefficients_have_a_bound() -> None:
+    entries = [entry for entry in load().entries if "dct-p1" in entry.tools and entry.kind != "invalid"]
+    for entry in entries:
+        found = [plane for plane in face_planes((SUITE / entry.file).read_bytes()) if plane.faps is not None]
+        coded = any(run for plane in found if plane.faps.segment is not None for run in plane.faps.segment.runs)
+        assert (entry.tolerance is not None) == coded, entry.id
 
 
 def test_a_recipe_that_the_decoder_contradicts_fails() -> None:
-    recipe = dct_coefficients.RECIPES["dct.coefficients.halves"]
-    wrong = dct_coefficients.CoefficientRecipe(
-        "x.y",
-        "t",
-        "d",
-        "syntax",
-        recipe.rules,
-        "",
-        lambda: dct_coefficients.document(0, (True, {3: [4]}), values={(0, 3): 2}),
-    )
-    with pytest.raises(AssertionError, match="declared 2"):
-        dct_coefficients.make(wrong)
+    recipe = all_recipes()["dct.coefficients.halves"]
+    source = dct_coefficients.document(0, (True, {3: [4]}))
+    with pytest.raises(RecipeFault, match="declared 2"):
+        make(replace(recipe, build=lambda: Accept(source, values={(0, 3): 2})))
 
 
 def test_there_are_enough() -> None:

@@ -114,11 +114,7 @@ BPN {" ".join(["-1860"] * 296)}
 )
 def test_limits_are_rounded_outward(given_text: str, limit: int) -> None:
     other = " 0" * 65
-    face = (
-        read_epf([INTRA + f"FQU 1\nFIX {given_text}{other}\nFIN -{given_text}{other}\n".encode()])
-        .frames[0]
-        .face
-    )
+    face = read_epf([INTRA + f"FQU 1\nFIX {given_text}{other}\nFIN -{given_text}{other}\n".encode()]).frames[0].face
     assert face.i_max is not None
     assert face.i_min is not None
     assert (face.i_max[0], face.i_min[0]) == (limit, -limit)
@@ -191,9 +187,7 @@ def test_masks_may_be_run_together_or_apart() -> None:
         (InconsistentSemantics, 4, 5, b"FBM 1\nFFR 1\nFBM 1\nFFR 1\n"),
     ],
 )
-def test_faults_have_class_line_and_column(
-    kind: type[SnhcError], line: int, column: int, data: bytes
-) -> None:
+def test_faults_have_class_line_and_column(kind: type[SnhcError], line: int, column: int, data: bytes) -> None:
     refused(data, kind, line, column)
 
 
@@ -303,9 +297,7 @@ VALID = (
         st.tuples(
             st.integers(0, len(VALID)),
             st.integers(0, 4),
-            st.one_of(
-                st.binary(max_size=4), st.sampled_from([b"\n", b" ", b"-1", b"#", b"FBM", b"1", b"\r\n"])
-            ),
+            st.one_of(st.binary(max_size=4), st.sampled_from([b"\n", b" ", b"-1", b"#", b"FBM", b"1", b"\r\n"])),
         ),
         min_size=1,
         max_size=4,

@@ -115,12 +115,13 @@ def test_models_with_and_without_colours(tmp_path: Path) -> None:
 
 
 def test_a_square_covers_its_pixels_exactly() -> None:
-    # Seen from the front 10 units are 120 pixels: the square [-2, 2) x [-1, 1) covers 48 x 24 of them.
-    model = plain([[-2, -1, 0], [2, -1, 0], [2, 1, 0], [-2, 1, 0]], [[0, 1, 2], [0, 2, 3]], [[200, 100, 50]] * 2)
+    # Seen from the front 10 units are 120 pixels: the square [-2, 2) x [-2, 2) covers 48 x 48 of them. Its
+    # diagonal runs through the middles of samples, which belong to one of the two faces, not to none.
+    model = plain([[-2, -2, 0], [2, -2, 0], [2, 2, 0], [-2, 2, 0]], [[0, 1, 2], [0, 2, 3]], [[200, 100, 50]] * 2)
     picture = SoftwareRenderer(model, SIZE).picture({"m": model.document.meshes["m"].vertices}, FLAT)
     inside = covered(picture)
-    assert inside.sum() == 48 * 24
-    assert inside[48:72, 26:74].all()
+    assert inside.sum() == 48 * 48
+    assert inside[36:84, 26:74].all()
     # One plane, one normal: one colour, also along the edge that the two faces share.
     assert len(np.unique(picture[inside], axis=0)) == 1
 

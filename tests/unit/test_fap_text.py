@@ -247,9 +247,7 @@ def test_numbers_that_are_refused(token: bytes, kind: type[SnhcError]) -> None:
         (Truncated, 4, 1, HEADER + M3 + b"4 1\n" + M3 + b"\n# end\n"),
     ],
 )
-def test_faults_have_class_line_and_column(
-    kind: type[SnhcError], line: int, column: int, data: bytes
-) -> None:
+def test_faults_have_class_line_and_column(kind: type[SnhcError], line: int, column: int, data: bytes) -> None:
     refused(data, kind, line, column)
 
 
@@ -261,9 +259,7 @@ def test_a_wrong_count_names_both_numbers() -> None:
 
 
 def test_names_keep_any_character() -> None:
-    assert (
-        read_fap(["2.1 gr\u00fc\u00dfe\u2003x 25 0\n".encode()], strict=True).name == "gr\u00fc\u00dfe\u2003x"
-    )
+    assert read_fap(["2.1 gr\u00fc\u00dfe\u2003x 25 0\n".encode()], strict=True).name == "gr\u00fc\u00dfe\u2003x"
     assert read_fap([b"2.1 gr\xfcn 25 0\n"], strict=True).name == "gr\u00fcn"
     assert read_fap([b"# \xfc\n2.1 n 25 0\n"], strict=True).comments == [" \u00fc"]
     # A CR before a CR LF is no part of the comment: it could not be written back.

@@ -162,12 +162,38 @@ def test_streams_that_begin_with_something_else(code: str) -> None:
     assert error.bits == (0, 32)
 
 
-@pytest.mark.parametrize("data", ["000001b523", "000001b061000001b523", "000001b523000001b2616263"])
-def test_data_that_ends_where_the_object_must_stand(data: str) -> None:
-    """A missing end is `Truncated`, its span the empty one at the end of the data (CNF-21, SYS-6)."""
+@pytest.mark.parametrize(
+    ("data", "expected"),
+    [
+        # What must come does not come before the end of the data: an empty span there, or what is left of it.
+        ("000001b523", ("Truncated", "SYS-6", (40, 40))),
+        ("000001b061000001b523", ("Truncated", "SYS-6", (80, 80))),
+        ("000001b071", ("Truncated", "SYS-2", (40, 40))),
+        ("000001b0710000", ("Truncated", "SYS-2", (40, 56))),
+        ("000001b071000001b523000001", ("Truncated", "SYS-6", (80, 104))),
+        ("000001b523000001b2616263", ("Truncated", "SYS-5", (40, 96))),
+        ("000001b071000001b2112233", ("Truncated", "SYS-5", (40, 96))),
+        # Something else comes instead.
+        ("000001b061000001b1", ("InconsistentSemantics", "SYS-2", (40, 72))),
+        ("000001b07112345678", ("InconsistentSemantics", "SYS-2", (40, 72))),
+        ("000001b061000001ba7f000001b1", ("InconsistentSemantics", "SYS-2", (40, 72))),
+        ("000001b061000001b061000001b523000001ba7f000001b1", ("InconsistentSemantics", "SYS-2", (40, 72))),
+        ("000001b071000001b523000001b1", ("InconsistentSemantics", "SYS-6", (80, 112))),
+        ("000001b071000001b523000001b0", ("InconsistentSemantics", "SYS-6", (80, 112))),
+        ("000001b061000001b522000001ba7f000001b1", ("ForbiddenValue", "FBA-3", (77, 80))),
+    ],
+)
+def test_headers_in_the_wrong_place(data: str, expected: tuple[str, str, tuple[int, int]]) -> None:
+    """The grammar around the object, found by four independent decoders (SYS-2, SYS-3, SYS-5, SYS-6, CNF-21)."""
     error = check_input(bytes.fromhex(data))
     assert error is not None
-    assert (error.error_class, error.rule, error.bits) == ("Truncated", "SYS-6", (len(data) * 4, len(data) * 4))
+    assert (error.error_class, error.rule, error.bits) == expected
+
+
+def test_a_sequence_may_begin_where_the_last_has_no_end() -> None:
+    _, findings, error = traced(bytes.fromhex("000001b061000001b523000001ba7f" * 2 + "000001b1"))
+    assert error is None
+    assert [finding.id for finding in findings].count("no-end-code") == 1
 
 
 def test_prefix_at_the_end_of_the_data() -> None:
@@ -374,7 +400,9 @@ def test_user_data_limit() -> None:
         item = StreamItem(0x1B2)
         item.user_data = b"x" * count
         make = Planes(Random(1))
-        data = written([StreamItem(0x1B0), item, *_object([make.plane(intra=True, mask=0)])], False)
+        header = StreamItem(0x1B5)
+        header.header = VisualObjectHeader()
+        data = written([StreamItem(0x1B0), item, header, *_object([make.plane(intra=True, mask=0)])], False)
         error = check_input(data, Options(limits=limits))
         assert (error is None) == accepted
     assert error is not None

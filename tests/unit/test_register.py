@@ -34,7 +34,7 @@ IDS = {
     "TTS": tuple(range(1, 7)),
     "CNF": tuple(range(1, 27)),
 }
-AMBIGUITIES = {"FBA": 12, "DCT": 6, "MSH": 4, "FIT": 3, "FAT": 4, "FAC": 5, "TTS": 1, "SYS": 11}
+AMBIGUITIES = {"FBA": 12, "DCT": 6, "MSH": 4, "FIT": 3, "FAT": 4, "FAC": 5, "TTS": 1, "SYS": 12}
 # Keys that users type: first = followed.
 KEYS = {
     "AMB-FBA-1": ["lowest-first", "highest-first"],

@@ -21,7 +21,8 @@ from snhc.conformance.adapters import BuiltIn, OneShot, Outcome, from_command, l
 from snhc.conformance.candidate import Malformed, ndjson
 from snhc.conformance.cli.generate import command as generate_command
 from snhc.conformance.cli.run import command as run_command
-from snhc.conformance.compare import Difference, judge, overlap
+from snhc.conformance.compare import judge, overlap
+from snhc.conformance.differences import Difference
 from snhc.conformance.filters import selector
 from snhc.conformance.report import SCHEMA_FILE, as_json, terminal_text
 from snhc.conformance.runner import Report, run, verify

@@ -126,18 +126,15 @@ def test_streams_decode_alike_from_any_source(tmp_path: Path, step: int) -> None
 
 def test_planes_come_out_before_a_pipe_ends() -> None:
     """A live producer: the first planes are given out while the pipe is still open (CNF-22)."""
-    # The cursor looks a window ahead, so a live stream needs one window of data before the first plane comes out.
+    # A segment's look-ahead wants 2 KiB of data before its plane comes out.
     reading, writing = os.pipe()
     stream = SAMPLE[:-4]
     got = threading.Event()
 
     def produce() -> None:
         with os.fdopen(writing, "wb", buffering=0) as pipe:
-            pipe.write(stream)
-            for _ in range(40):
-                if got.is_set():
-                    return
-                pipe.write(b"\xff" * 4_000)
+            pipe.write(stream + b"\xff" * 3_000)
+            got.wait(timeout=30)
 
     producer = threading.Thread(target=produce)
     producer.start()

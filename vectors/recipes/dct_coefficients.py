@@ -57,15 +57,15 @@ def example() -> Accept:
 @vector(id="dct.coefficients.halves", title="Halves are rounded away from zero", tier="semantic", tools=TOOLS,
         rules=["DCT-7"], value_classes=["half"])  # fmt: skip
 def halves() -> Accept:
-    """DC values of 2.5, -2.5, 7.5, -7.5, and an AC step of 5/8 * 3 at index 1 in FAP 18."""
+    """DC values of 2.5, -2.5, 7.5, -7.5, exactly; and of 5/12 in FAP 18, which is 0."""
     return Accept(
         document(0, (True, {**_halfway({3: 4, 4: -4, 5: 12, 6: -12}), 18: [1]})),
         values={(0, 3): 3, (0, 4): -3, (0, 5): 8, (15, 6): -8, (0, 18): 0},
     )
 
 
-@family({str(k): k for k in range(16)}, id="dct.coefficients.index-{case}", title="The coefficient at index {case} alone",
-        tier="syntax", tools=TOOLS, rules=["DCT-5", "DCT-6", "DCT-7"])  # fmt: skip
+@family({str(k): k for k in range(16)}, id="dct.coefficients.index-{case}", tier="syntax", tools=TOOLS,
+        title="The coefficient at index {case} alone", rules=["DCT-5", "DCT-6", "DCT-7"])  # fmt: skip
 def single(k: int) -> Accept:
     """One coefficient at index {case}: a sampled cosine, positive in FAP 3, negative in FAP 48."""
     return Accept(document(5, (True, {3: [*[0] * k, 40], 48: [*[0] * k, -3]})), lines=16)

@@ -381,15 +381,41 @@ def wrong_object() -> Reject:
 
 @vector(
     id="sys.error.no-object",
-    title="A stream without an object",
+    title="A sequence without an object",
     tier="error",
-    rules=["FBA-44"],
+    rules=["SYS-2"],
     features=["visual-object"],
 )
 def no_object() -> Reject:
-    """A sequence header and the end code, no object between them: there is nothing to decode."""
-    data = write_stream([sequence(0x61), end_code()])
-    return Reject(data, InconsistentSemantics, "FBA-44", bits=(0, 8 * len(data)))
+    """The end code stands where visual_object() must."""
+    data = bytes.fromhex("000001b061000001b1")
+    return Reject(data, InconsistentSemantics, "SYS-2", bits=(40, 72))
+
+
+@vector(
+    id="sys.error.object-without-header",
+    title="A face object in a sequence, without visual_object() before it",
+    tier="error",
+    rules=["SYS-2"],
+    features=["visual-object"],
+)
+def object_without_header() -> Reject:
+    """fba_object_start_code directly behind profile_and_level_indication."""
+    data = bytes.fromhex("000001b061") + write_stream([face_object([intra({3: 5})]), end_code()])
+    return Reject(data, InconsistentSemantics, "SYS-2", bits=(40, 72))
+
+
+@vector(
+    id="sys.error.end-code-for-object",
+    title="The end code where the object must stand",
+    tier="error",
+    rules=["SYS-6"],
+    features=["visual-object"],
+)
+def end_code_for_object() -> Reject:
+    """visual_object_type is 4, and visual_object_sequence_end_code follows."""
+    data = bytes.fromhex("000001b061000001b523000001b1")
+    return Reject(data, InconsistentSemantics, "SYS-6", bits=(80, 112))
 
 
 @vector(
@@ -402,4 +428,4 @@ def no_object() -> Reject:
 def object_stuffing() -> Reject:
     """Zero bits up to the byte boundary instead of one 0 and then 1 bits."""
     items = [sequence(0x61), visual_object(), face_object([intra({3: 5})]), end_code()]
-    return Reject(items, InconsistentSemantics, "FBA-3", (Mutation("stuffing", "wire", 0),), allowed=_MAY_CONCEAL)
+    return Reject(items, ForbiddenValue, "FBA-3", (Mutation("stuffing", "wire", 0),), allowed=_MAY_CONCEAL)

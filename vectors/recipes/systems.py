@@ -41,18 +41,6 @@ def identifier() -> Accept:
 
 
 @vector(
-    id="sys.object.without-sequence",
-    title="Visual object without a sequence around it",
-    tier="syntax",
-    rules=["SYS-3", "FBA-1"],
-    features=["visual-object"],
-)
-def no_sequence() -> Accept:
-    """The file begins with visual_object_start_code."""
-    return Accept([visual_object(verid=1), _face(), end_code()], lines=2)
-
-
-@vector(
     id="sys.user-data.both-places",
     title="User data behind both headers",
     tier="syntax",
