@@ -39,8 +39,8 @@ def test_coefficient_vectors_have_a_bound_and_faults_a_path() -> None:
 def test_bitstreams_with_coefficients_have_a_bound() -> None:
     entries = [entry for entry in load().entries if "dct-p1" in entry.tools and entry.kind != "invalid"]
     for entry in entries:
-        found = [plane for plane in face_planes((SUITE / entry.file).read_bytes()) if plane.faps is not None]
-        coded = any(run for plane in found if plane.faps.segment is not None for run in plane.faps.segment.runs)
+        data = [plane.faps for plane in face_planes((SUITE / entry.file).read_bytes()) if plane.faps is not None]
+        coded = any(faps.segment is not None and faps.segment.runs for faps in data)
         assert (entry.tolerance is not None) == coded, entry.id
 
 

@@ -435,10 +435,10 @@ def test_the_built_in_decoder_passes_the_whole_suite() -> None:
 
 
 def test_a_bug_of_the_built_in_decoder_is_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(data: bytes, options: object) -> None:
+    def broken(media: str, data: bytes, aux: object, options: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("snhc.conformance.adapters.decode", broken)
+    monkeypatch.setattr("snhc.conformance.adapters.decode_input", broken)
     assert statuses(BuiltIn(), VALID, INVALID) == ("crash", "crash")
 
 
