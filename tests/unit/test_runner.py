@@ -467,7 +467,9 @@ def test_the_report_goes_to_a_file_in_the_format_of_its_name(tmp_path: Path) -> 
 
 
 def test_generate_check_names_the_file_and_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("snhc.vectors.generate.build_suite", lambda: {MANIFEST_NAME: b"{}", "fap/a.fba": b"a"})
+    monkeypatch.setattr(
+        "snhc.vectors.generate.build_suite", lambda: {MANIFEST_NAME: b'{"vectors":[]}', "fap/a.fba": b"a"}
+    )
     runner = CliRunner()
     assert runner.invoke(generate_command, ["--suite", str(tmp_path)]).exit_code == 0
     assert runner.invoke(generate_command, ["--suite", str(tmp_path), "--check"]).exit_code == 0
