@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 from snhc.reference_impl.bitstream.errors import SnhcError
 from snhc.reference_impl.bitstream.findings import Finding
-from snhc.reference_impl.face.decoded import frame_line, header_line
 from snhc.reference_impl.face.frames import FaceFrame
-from snhc.reference_impl.mesh.decoded import mesh_line
 from snhc.reference_impl.mesh.records import MeshFrame
+from snhc.reference_impl.systems.output import NdjsonWriter
 from snhc.reference_impl.systems.stream import Options, decode_planes
 
 from .manifest import DOCUMENTS
@@ -41,24 +40,25 @@ class Decoded:
 
 def decode(data: bytes, options: Options) -> Decoded:
     """Decode a whole stream, up to its first fault. Rules: CNF-1, CNF-26."""
-    lines: list[str] = []
+    lines: list[bytes] = []
     frames: list[FaceFrame | MeshFrame] = []
     findings: list[Finding] = []
     error: SnhcError | None = None
     kinds: list[str] = []
+    writer = NdjsonWriter(lines.append, readings=options.readings, profile=options.profile)
 
-    def header(kind: str) -> None:
+    def found(kind: str) -> None:
         kinds.append(kind)
-        lines.append(header_line(kind, options.readings) + "\n")
+        writer.begin(kind)
 
     try:
-        for plane in decode_planes(data, options, findings.append, header):
-            for frame in plane.frames:
-                frames.append(frame)
-                lines.append((frame_line(frame) if isinstance(frame, FaceFrame) else mesh_line(frame)) + "\n")
+        for plane in decode_planes(data, options, findings.append, found):
+            frames.extend(plane.frames)
+            writer.plane(plane)
     except SnhcError as fault:
         error = fault
-    return Decoded(tuple(lines), tuple(frames), tuple(findings), error, "".join(kinds))
+    writer.end()
+    return Decoded(tuple(line.decode() for line in lines), tuple(frames), tuple(findings), error, "".join(kinds))
 
 
 def decode_input(media: str, data: bytes, aux: bytes | None, options: Options) -> Decoded:
