@@ -187,13 +187,13 @@ def test_paths_are_related_step_by_step() -> None:
 
 def test_an_adapter_gets_the_second_file(tmp_path: Path) -> None:
     script = tmp_path / "echo.py"
-    script.write_text("import sys\nprint(sys.argv[1:], file=sys.stderr)\nsys.exit(3)\n")
+    script.write_text("import sys\nprint([word.rpartition('/')[2] for word in sys.argv[1:]], file=sys.stderr)\nsys.exit(3)\n")
     command = (sys.executable, str(script), "{media}", "{input}", "{aux}")
     adapter = OneShot("echo", command, tools=("fba", "fit"))
     chosen = Manifest("0.0.0", (ENTRIES["fap.arith.example.1"], ENTRIES["fit.case.d-asymmetric"]))
     one, two = [result.reason for result in run(chosen, [adapter]).results]
     assert "'fba'" in one and one.count("'") == 4
-    assert "'fit'" in two and "d-asymmetric.table.json'" in two and "d-asymmetric.frames.ndjson'" in two
+    assert "['fit', 'fit.case.d-asymmetric.table.json', 'fit.case.d-asymmetric.frames.ndjson']" in two
 
 
 def test_tools_that_are_not_claimed_and_formats_that_cannot_hold_it() -> None:
