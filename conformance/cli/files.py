@@ -78,7 +78,11 @@ class Output:
             self._file = target.open("wb")
         else:
             self._temporary = target.with_name(f".{target.name[:200]}.{os.getpid()}.part")
-            self._file = self._temporary.open("xb")
+            try:
+                self._file = self._temporary.open("xb")
+            except OSError as error:
+                # The file that was asked for is the one to name.
+                raise OSError(error.errno, error.strerror, str(target)) from None
         return self
 
     def write(self, data: str | bytes) -> None:

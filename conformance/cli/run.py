@@ -17,9 +17,7 @@ _FORMATS = {".json": "json", ".txt": "terminal"}
 
 
 @click.command()
-@click.argument(
-    "adapter", nargs=-1, type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="[ADAPTER.toml]..."
-)
+@click.argument("adapter", nargs=-1, type=click.Path(path_type=Path), metavar="[ADAPTER.toml]...")
 @click.option(
     "--adapter-command", metavar="COMMAND", multiple=True,
     help="A decoder as a command line; {input} stands for the vector's path, without it the vector is standard input.",

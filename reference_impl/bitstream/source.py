@@ -2,7 +2,7 @@
 
 Rules: CNF-22 (memory does not grow with the input). A file is read by position, never mapped: a file that shrinks
 while it is read is an I/O error, not a crash. A pipe is spooled to disk as far as it has been asked for, so that
-output can begin before the input ends.
+output can begin before the input ends; the look-ahead of a segment keeps it about 2 KiB behind.
 """
 
 from __future__ import annotations

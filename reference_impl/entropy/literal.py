@@ -85,12 +85,9 @@ class LiteralDecoder:
                 self._size = self._cursor.tell()
             return 0
 
-    def _tell(self) -> int:
-        # Past the end of the data the position goes on counting, bit by bit (FBA-27).
-        return self._position
-
     @property
     def _position(self) -> int:
+        # Past the end of the data the position goes on counting, bit by bit (FBA-27).
         return self._start + len(self._positions) + len(self._guards)
 
     def _data_bit(self) -> int:

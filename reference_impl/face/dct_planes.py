@@ -1,11 +1,13 @@
 """The encoder of DCT segments: requests for instants become planes of 16 of them.
 
 Rules: DCT-1..7, DCT-9, DCT-10, DCT-13, FBA-43. Informative: which coefficients are sent is the encoder's choice.
+Not here: BAP data beside DCT segments, which readers and writers take (FBA-40).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from copy import copy
 from typing import Final
 
 from ..bitstream.errors import EncodeError
@@ -89,7 +91,7 @@ class DctEncoder:
         is_intra = header != self._in_force or bool(first.is_intra) or self._since_intra >= period or bool(clock)
         self._since_intra = 1 if is_intra else self._since_intra + 1
         plane = new_plane(1, int(is_intra))
-        plane.header = first.header
+        plane.header = copy(first.header)
         plane.header.skip_frames = 1 if skipped else 0
         plane.header.number_of_frames_to_skip = skipped
         with_code = self.options.start_codes == "all" or (self.options.start_codes == "intra" and is_intra)

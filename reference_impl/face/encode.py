@@ -85,16 +85,20 @@ class _Part:
         # Per list and number, the largest magnitude that the period needs.
         self.needed: list[dict[int, int]] = [{}, {}, {}, {}]
         self.sent: list[set[int]] = [set(), set(), set(), set()]
+        # Whether the intra plane of this period carries the part; else its limits stand as they were sent before.
+        self.in_period = False
 
     def _unsure(self, which: int, number: int) -> bool:
         """Whether decoders may disagree about a limit that was never sent: no default, or AMB-FBA-2."""
         if number in self.sent[which]:
             return False
         parameters = self.state.parameters
-        return not parameters.has_defaults[number] or parameters.labels[number].startswith("FAP 47 ")
+        return not parameters.has_defaults[number] or number in parameters.disputed
 
     def bounds(self, number: int, is_intra: bool) -> tuple[int, int]:
         """The levels that can be sent at all."""
+        if not self.in_period:
+            return self.state.in_force[P_MIN][number], self.state.in_force[P_MAX][number]
         divisor = self.state.scale or 1
         out = []
         for which in (I_MIN, I_MAX) if is_intra else (P_MIN, P_MAX):
@@ -186,6 +190,7 @@ class _Part:
                     data.limits[which][number] = abs(self.state.limits[which][number]) // LIMIT_UNIT
 
     def forget(self) -> None:
+        self.in_period = False
         self.needed = [{}, {}, {}, {}]
 
 
@@ -225,18 +230,26 @@ class Encoder:
 
     def _starts_period(self, request: PlaneRequest) -> bool:
         if request.is_intra is not None:
-            if request.is_intra or self._period:
+            never = any(wanted is not None and part.request is None for part, wanted in self._parts(request))
+            if request.is_intra or (self._period and not never):
                 return request.is_intra
             raise EncodeError("FBA-35", "is_intra", value=0, path=f"frame[{request.number}]", allowed="1 first")
         if not self._period or len(self._period) >= self._length:
+            return True
+        if request.header.is_frame_rate or request.header.is_time_code:
+            # Rate and time code travel in intra planes only (FBA-6, FBA-7).
             return True
         for part, part_request in self._parts(request):
             if part_request is None:
                 continue
             before = part.request
-            if before is None or (
-                (part_request.mask_types, part_request.masks, part_request.quant, part_request.coding_type)
-                != (before.mask_types, before.masks, before.quant, before.coding_type)
+            if (
+                before is None
+                or not part.in_period
+                or (
+                    (part_request.mask_types, part_request.masks, part_request.quant, part_request.coding_type)
+                    != (before.mask_types, before.masks, before.quant, before.coding_type)
+                )
             ):
                 return True
             if not part.fits(part.levels(part_request.targets, False)):
@@ -274,6 +287,7 @@ class Encoder:
             self._state.faps.set_steps()
             self._face.request = request.face
             self._face.intra = plane.faps
+            self._face.in_period = True
             self._high_level(request, request.face, plane.faps, True)
             self._levels(request, self._face, request.face, plane.faps, True)
         if request.body is not None and plane.baps is not None:
@@ -283,6 +297,7 @@ class Encoder:
             body = self._parts(request)[1][0]
             body.request = request.body
             body.intra = plane.baps
+            body.in_period = True
             self._levels(request, body, request.body, plane.baps, True)
         return plane
 
@@ -301,7 +316,7 @@ class Encoder:
         levels = part.levels(wanted.targets, is_intra)
         for number, level, sent in part.clip(levels, is_intra):
             label = part.state.parameters.labels[number]
-            self._clipped(request.number, f"{label}: level {level} does not fit the largest limit, {sent} sent")
+            self._clipped(request.number, f"{label}: level {level} does not fit, {sent} sent")
         part.note(levels, is_intra)
         data.levels = levels
         parameter_values(part.state, data, int(is_intra), False)

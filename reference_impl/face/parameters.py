@@ -29,7 +29,6 @@ SIGNS: Final = (1, -1, 1, -1)
 LIMIT_UNIT: Final = 60
 LARGEST_V: Final = 31
 
-VISEME_SYMBOLS: Final = 3
 VISEME_LABELS: Final = ["viseme_select1", "viseme_select2", "viseme_blend"]
 EXPRESSION_LABELS: Final = [
     "expression_select1", "expression_intensity1", "expression_select2", "expression_intensity2",
@@ -51,11 +50,12 @@ class ParameterSet:
 
     `count`: highest number. `groups`: the numbers of each group in coding order. `range_groups`: the groups that
     the range lists walk (FAPs: without group 1). `defaults`: per list (I_MAX .. P_MIN) the default limit by number,
-    0 where there is none. `has_defaults`, `base_steps`, `labels`: by number.
+    0 where there is none. `has_defaults`, `base_steps`, `labels`: by number. `disputed`: numbers whose default limits
+    decoders disagree about (AMB-FBA-2).
     """
 
     __slots__ = (
-        "base_steps", "count", "defaults", "group_marker", "group_mask", "groups", "has_defaults", "labels",
+        "base_steps", "count", "defaults", "disputed", "group_marker", "group_mask", "groups", "has_defaults", "labels",
         "limit_elements", "limit_marker", "mask_type", "new_flags", "quant", "quant_scale", "range_groups",
     )  # fmt: skip
 
@@ -73,6 +73,7 @@ class ParameterSet:
         self.range_groups = range_groups
         self.count = max(max(group) for group in groups)
         self.quant_scale = quant_scale
+        self.disputed: frozenset[int] = frozenset()
         size = self.count + 1
         self.defaults: list[list[int]] = [[0] * size for _ in LIST_NAMES]
         self.has_defaults = [False] * size
@@ -106,9 +107,13 @@ class ParameterSet:
         self.has_defaults[number] = True
 
 
-@cache
 def fap_set(range_47: str = "table") -> ParameterSet:
     """FAPs 3..68; `range_47` is the reading of AMB-FBA-2. Rules: FBA-14, FBA-16, FBA-18, FBA-31."""
+    return _fap_set(range_47)
+
+
+@cache
+def _fap_set(range_47: str) -> ParameterSet:
     groups = [list(range(g.first_fap, g.last_fap + 1)) for g in fap_groups()]
     faps = ParameterSet("fap", ("FBA-9", "FBA-10", "FBA-13", "FBA-16"), groups, groups[1:], (), list(range(32)))
     for fap in fap_table():
@@ -116,14 +121,19 @@ def fap_set(range_47: str = "table") -> ParameterSet:
         faps.labels[fap.number] = f"FAP {fap.number} {fap.name}"
         if fap.number > 2:
             faps.set_defaults(fap.number, fap.i_min, fap.i_max, fap.p_min, fap.p_max)
+    faps.disputed = frozenset({47})
     if range_47 == "wide":
         faps.set_defaults(47, -1080, 1080, -420, 420)
     return faps
 
 
-@cache
 def bap_set(base_step: str = "base_step") -> ParameterSet:
     """BAPs 1..296; `base_step` is the reading of AMB-FBA-5. Rules: FBA-40."""
+    return _bap_set(base_step)
+
+
+@cache
+def _bap_set(base_step: str) -> ParameterSet:
     groups = [list(g.bap_numbers_in_coding_order) for g in bap_groups()]
     rules = ("FBA-40", "FBA-40", "FBA-40", "FBA-40")
     baps = ParameterSet("bap", rules, groups, groups, (2,), list(bap_quant_scale()))

@@ -170,17 +170,26 @@ def _skip(header: TemporalHeader, skipped: int) -> None:
 
 
 def requests_with(
-    parameters: EncoderParameters, faps: FapFile | None, baps: BapFile | None, *, quant: int = 1
+    parameters: EncoderParameters,
+    faps: FapFile | None,
+    baps: BapFile | None,
+    *,
+    quant: int = 1,
+    bap_quant: int = 1,
+    gender: int = 0,
+    coding_type: int = 0,
+    partial_type: int = 1,
 ) -> Iterator[PlaneRequest]:
     """One request per coded frame of an `.epf` file.
 
     Rules: FBA-52. Its masks override those of the text files; what it does not say stays as last said. A frame that
-    the text file does not have, or a value that it does not give, is an InconsistentSemantics.
+    the text file does not have, or a value that it does not give, is an InconsistentSemantics. The other arguments
+    hold until the parameters say otherwise.
     """
     faces = {frame.number: frame for frame in faps.frames} if faps is not None else {}
     bodies = {frame.number: frame for frame in baps.frames} if baps is not None else {}
-    face_state = _Sticky(quant, 10)
-    body_state = _Sticky(quant, 24)
+    face_state = _Sticky(10, quant, gender, coding_type, partial_type)
+    body_state = _Sticky(24, bap_quant, gender, 0, 1)
     for i, coded in enumerate(parameters.frames):
         header = TemporalHeader()
         _header_of(header, coded.body)
@@ -232,12 +241,13 @@ def _header_of(header: TemporalHeader, part: PartParameters) -> None:
 class _Sticky:
     """What an `.epf` part said last. Rules: FBA-15, FBA-52."""
 
-    def __init__(self, quant: int, groups: int) -> None:
+    def __init__(self, groups: int, quant: int, gender: int, coding_type: int, partial_type: int) -> None:
         self.types = [0] * groups
         self.masks = [0] * groups
         self.quant = quant
-        self.gender = 0
-        self.coding_type = 0
+        self.gender = gender
+        self.coding_type = coding_type
+        self.partial_type = partial_type
         self.said_masks = False
 
     def request(
@@ -249,7 +259,11 @@ class _Sticky:
             self.said_masks = True
         elif not self.said_masks:
             wanted = {n + 1 for n, bit in enumerate(text.mask) if bit}
-            self.types, self.masks = group_masks_of(parameters, wanted, 1)
+            masks = group_masks_of(parameters, wanted, self.partial_type)
+            if coded.is_intra is False and masks != (self.types, self.masks):
+                # Inter planes cannot send masks (FBA-15).
+                raise _missing("mask", text.number, coded, "the masks of the intra plane before it, or ISI 1")
+            self.types, self.masks = masks
         if part.quant is not None:
             self.quant = part.quant
         if part.gender is not None:

@@ -50,8 +50,7 @@ class ParameterState:
     def select(self, data: ParameterData, readings: Readings) -> list[tuple[int, int]]:
         """Put the masks and the quantiser of an intra plane in force.
 
-        Rules: FBA-10, FBA-14, FBA-15, FBA-31. Returns (number, mask bit or -1 where no mask was sent) of every
-        parameter of groups of types 1, 2 and 3, as (number, mask type) pairs of those *not* coded.
+        Rules: FBA-10, FBA-14, FBA-15, FBA-31. Returns the parameters that are *not* coded, as (number, mask type).
         """
         highest_first = readings.mask_order == "highest-first"
         selected: list[int] = []
@@ -120,7 +119,7 @@ class FaceState:
     """
 
     __slots__ = (
-        "_baps", "clock", "dct_dc", "dct_expression", "dct_viseme", "expression", "faps", "gender", "has_expression",
+        "_baps", "clock", "dct_dc", "dct_expression", "dct_viseme", "expression", "faps", "has_expression",
         "has_viseme", "high_i_models", "high_p_models", "index", "letters_with_data", "letters_without", "readings",
         "seen_dct", "seen_expression", "seen_viseme", "shown", "viseme",
     )  # fmt: skip
@@ -130,7 +129,6 @@ class FaceState:
         self.clock = Clock()
         self.faps = ParameterState(fap_set(readings.default_range_47))
         self._baps: ParameterState | None = None
-        self.gender = 0
         self.index = 0
         self.has_viseme = False
         self.has_expression = False
@@ -172,7 +170,6 @@ class FaceState:
         self.seen_viseme = self.seen_viseme or self.has_viseme
         self.seen_expression = self.seen_expression or self.has_expression
         faps.selected = [number for number in selected if number > 2]
-        self.gender = data.gender
         letters = ["T"] * 68
         for number, mask_type in others:
             letters[number - 1] = "I" if mask_type == 2 else "R" if decoded[number] else "U"

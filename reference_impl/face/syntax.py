@@ -69,6 +69,7 @@ _NO_LIMITS: Final = Fault(
     Unsupported, "FBA-40", "ranges of BAPs without default limits", "all four range lists with the intra plane"
 )
 _BAP_DCT: Final = Fault(Unsupported, "FBA-40", "bap_object_coding_type", "0 (the DCT mode of bodies is not built)")
+_PLANE_CODE: Final = Fault(ForbiddenValue, "FBA-2", "fba_object_plane_start_code", "000001bb")
 _BARE: Final = Fault(ForbiddenValue, "FBA-3", "fba_object_plane_start_code", "stuffing before it (AMB-FBA-8)")
 
 
@@ -163,6 +164,8 @@ def _plane_start_code(io: SyntaxIO, plane: FbaPlane) -> None:
         return
     start = io.tell()
     plane.start_code = io.u(FBA_OBJECT_PLANE_START_CODE, 32, plane.start_code)
+    known = plane.start_code in (FBA_OBJECT_PLANE, DRAFT_PLANE)
+    io.require(known, _PLANE_CODE, f"{plane.start_code:08x}", start, io.tell())
     if plane.boundary == BARE_CODE:
         io.require(io.readings.unstuffed_plane != "error", _BARE, f"{plane.start_code:08x}", start, io.tell())
         io.finding("no-stuffing", "a plane start code directly behind the object start code", start, io.tell())

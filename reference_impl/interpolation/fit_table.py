@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import Final, NoReturn
 
-from snhc.reference_impl.bitstream.errors import InconsistentSemantics, RangeViolation, ResourceLimit
+from snhc.reference_impl.bitstream.errors import InconsistentSemantics, InputFormat, RangeViolation, ResourceLimit
 from snhc.reference_impl.documents.json_text import as_object, float_list, int_list, parse_json
 
 MAX_SETS: Final = 256
@@ -315,6 +315,9 @@ def fit_from_json(
     `InputFormat` (types) and what `build_fit` raises.
     """
     root = as_object(value, "", "FIT-9")
+    if root and not any(name in root for name in (*FIT_FIELDS, *FIT_COEFS)):
+        # Some other document; an empty object is an empty table.
+        raise InputFormat("FIT-9", "FIT", value="no field of one", allowed=", ".join((*FIT_FIELDS, *FIT_COEFS)))
     fields = {name: int_list(root.get(name, []), name, rule) for name, (rule, _, _) in FIT_FIELDS.items()}
     coefs = {name: float_list(root.get(name, []), name, "FIT-3") for name in FIT_COEFS}
     return build_fit(fields, coefs, impulse=impulse, max_sets=max_sets, max_links=max_links)

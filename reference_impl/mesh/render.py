@@ -35,8 +35,9 @@ def open_picture(data: bytes, name: str) -> Image.Image:
             return picture.convert("L" if picture.mode in ("1", "L") else "RGB")
     except Image.DecompressionBombError as error:
         raise ResourceLimit("MSH-22", name, value=str(error)[:80], allowed="a picture of fewer pixels") from None
-    except (OSError, SyntaxError, ValueError) as error:
-        raise InputFormat("MSH-22", name, value=str(error)[:80], allowed="a picture, such as PNG or JPEG") from None
+    except (OSError, SyntaxError, ValueError):
+        # The library's words name an object in memory, not the file.
+        raise InputFormat("MSH-22", name, value="unreadable", allowed="a picture, such as PNG or JPEG") from None
 
 
 def render_frames(

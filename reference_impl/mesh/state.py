@@ -27,7 +27,7 @@ class MeshState:
     share them. `vx`, `vy`: the vectors of the last motion plane.
     """
 
-    __slots__ = ("clock", "index", "nodes", "readings", "topology", "vx", "vy", "xs", "ys")
+    __slots__ = ("_shape", "clock", "index", "nodes", "readings", "topology", "vx", "vy", "xs", "ys")
 
     def __init__(self, readings: Readings) -> None:
         self.readings = readings
@@ -35,6 +35,7 @@ class MeshState:
         self.index = 0
         self.topology: MeshTopology | None = None
         self.nodes: tuple[tuple[int, int], ...] = ()
+        self._shape = (0, 0, 0)  # of the uniform mesh whose topology stands
         self.xs: list[int] = []
         self.ys: list[int] = []
         self.vx: list[int] = []
@@ -46,10 +47,15 @@ class MeshState:
             self.xs, self.ys = uniform_positions(
                 geometry.nodes_hor, geometry.nodes_vert, geometry.rect_hor, geometry.rect_vert
             )
-            mesh = uniform_triangles(
-                geometry.nodes_hor, geometry.nodes_vert, geometry.split_code, self.readings.mesh_split
-            )
+            # The traversal of a uniform mesh does not depend on its cell sizes: a stream that sends the same mesh over
+            # and over (10 bytes for a million nodes) must not pay for it each time.
+            shape = (geometry.nodes_hor, geometry.nodes_vert, geometry.split_code)
+            if shape == self._shape:
+                return
+            self._shape = shape
+            mesh = uniform_triangles(*shape, self.readings.mesh_split)
         else:
+            self._shape = (0, 0, 0)
             self.xs = list(geometry.xs)
             self.ys = list(geometry.ys)
             ties = "lowest" if self.readings.mesh_ties == "fan" else "other"

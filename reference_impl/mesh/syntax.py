@@ -111,7 +111,7 @@ def mesh_object(io: SyntaxIO, obj: MeshObject, planes: Iterator[MeshPlane]) -> I
         io.u(OBJECT_STUFFING, 8, 0x7F)
         io.finding("object-stuffing", "a byte 0x7F behind the object start code", begin, begin + 8)
     index = 0
-    more = _next_plane(io, obj, plane)
+    more = _next_plane(io, obj, plane, not obj.stuffing)
     while more:
         assert plane is not None
         io.enter(AT_PLANE, index)
@@ -129,13 +129,18 @@ def mesh_object(io: SyntaxIO, obj: MeshObject, planes: Iterator[MeshPlane]) -> I
         io.finding("empty-object", "an object without planes", start, io.tell())
 
 
-def _next_plane(io: SyntaxIO, obj: MeshObject, plane: MeshPlane | None) -> bool:
-    """Whether a plane follows at this byte; else the object has ended well, or is at fault."""
+def _next_plane(io: SyntaxIO, obj: MeshObject, plane: MeshPlane | None, behind_object: bool = False) -> bool:
+    """Whether a plane follows at this byte; else the object has ended well, or is at fault.
+
+    Directly behind the object start code no other start code may follow (MSH-25).
+    """
     if io.at_end(plane is None and not obj.padding):
         return False
     code = io.next_code(MESH_OBJECT_PLANE if plane is not None else -1 if obj.padding else 0)
     if code == MESH_OBJECT_PLANE:
         return True
+    if code >= 0 and behind_object and io.reading:
+        io.require(False, _NO_CODE, f"{code:08x}", io.tell(), io.tell() + 32)
     if code < 0:
         start = io.tell()
         if io.only_zeros_left(bool(obj.padding)):

@@ -180,6 +180,9 @@ def fat_from_json(
     Raises `InputFormat` (wrong types), and what `check_fat` raises; every fault has a path.
     """
     root: JsonObject = as_object(value, "", "FAT-1")
+    if root and not any(key in root for key in ("fapu", "meshes", "tables", "transforms")):
+        # Some other document; an empty object is a model without meshes.
+        raise InputFormat("FAT-1", "FAT", value="no key of one", allowed="fapu, meshes, tables, transforms")
     meshes: dict[str, FatMesh] = {}
     for name, entry in as_object(root.get("meshes", {}), "meshes", "FAT-1").items():
         path = f"meshes.{name}"

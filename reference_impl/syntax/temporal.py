@@ -150,6 +150,7 @@ class Clock:
     def span(self, frames: int) -> None:
         """Let further frame periods pass: a segment of 16 frames is one plane. Rules: FBA-38, DCT-13."""
         self._periods += frames
+        self._last = self.after(self._last, frames)
 
     def after(self, time: tuple[int, int], frames: int) -> tuple[int, int]:
         """The time `frames` periods after `time`. Rules: FBA-38, DCT-13."""

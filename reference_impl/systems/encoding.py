@@ -76,7 +76,16 @@ def encode_fap(
     """
     requests: Iterator[PlaneRequest]
     if epf is not None:
-        requests = requests_with(epf, faps, baps, quant=quant)
+        requests = requests_with(
+            epf,
+            faps,
+            baps,
+            quant=quant,
+            bap_quant=bap_quant,
+            gender=gender,
+            coding_type=DCT if mode == "dct" else ARITHMETIC,
+            partial_type=partial_type,
+        )
     else:
         requests = requests_of(
             faps,

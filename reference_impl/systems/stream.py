@@ -66,6 +66,10 @@ def reader(
     )
 
 
+def _ignore(finding: Finding) -> None:
+    """Nobody asked for findings: keeping them would make memory grow with the stream."""
+
+
 def _source(source: Source | bytes) -> Source:
     return BytesSource(source) if isinstance(source, bytes) else source
 
@@ -87,7 +91,7 @@ def decode_planes(
     with its kind (`fba`, `mesh`) when the object has been found.
     Raises the first fault in stream order; planes before it have been yielded.
     """
-    io = reader(source, options, on_finding)
+    io = reader(source, options, on_finding if on_finding is not None else _ignore)
     stream = visual_stream(io, fresh_items())
     number = -1
     for item, plane in stream:

@@ -34,7 +34,6 @@ from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault
 from ..tables import profile_level_codes, start_codes
 
-START_CODE: Final = Element("start_code", "SYS-1")
 SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2")
 SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1")
 PROFILE_AND_LEVEL: Final = Element("profile_and_level_indication", "SYS-2")
@@ -59,6 +58,7 @@ AnyPlane = FbaPlane | MeshPlane
 _NOT_OURS: Final = Fault(
     InputFormat, "FBA-1", "start code", "a file that begins with a start code 000001B0, 000001B5, 000001BA or 000001BC"
 )
+_MP4: Final = Fault(InputFormat, "FBA-1", "file", "a visual stream; MP4 files (SYS-13) are not read yet")
 _NOT_BUILT_TYPE: Final = Fault(Unsupported, "SYS-4", "visual_object_type", "3 (mesh), 4 (FBA)")
 _NOT_BUILT: Final = Fault(
     Unsupported,
@@ -247,6 +247,8 @@ def fresh_items() -> Iterator[StreamItem]:
 def _refuse(io: SyntaxIO, code: int, start: int) -> None:
     bits = io.bits_left(32)
     if code < 0:
+        if io.head(8)[4:] == b"ftyp":
+            io.require(False, _MP4, "MP4", start, start + bits)
         head = io.head(4)
         io.require(False, _NOT_OURS, head.hex() if head else None, start, start + bits)
     known = any(row.value <= code <= row.last for row in start_codes())

@@ -187,7 +187,9 @@ def test_paths_are_related_step_by_step() -> None:
 
 def test_an_adapter_gets_the_second_file(tmp_path: Path) -> None:
     script = tmp_path / "echo.py"
-    script.write_text("import sys\nprint([word.rpartition('/')[2] for word in sys.argv[1:]], file=sys.stderr)\nsys.exit(3)\n")
+    script.write_text(
+        "import sys\nprint([word.rpartition('/')[2] for word in sys.argv[1:]], file=sys.stderr)\nsys.exit(3)\n"
+    )
     command = (sys.executable, str(script), "{media}", "{input}", "{aux}")
     adapter = OneShot("echo", command, tools=("fba", "fit"))
     chosen = Manifest("0.0.0", (ENTRIES["fap.arith.example.1"], ENTRIES["fit.case.d-asymmetric"]))

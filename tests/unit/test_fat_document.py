@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.errors import InputFormat, SnhcError
 from snhc.reference_impl.model.fapu import Fapu
 from snhc.reference_impl.model.fat import evaluate, fat_from_json, fat_to_json, load_fat, parse_fat_json
 from snhc.reference_impl.model.fat_text import fat_text, parse_fat_text
@@ -122,6 +122,11 @@ def test_defaults_and_unknown_keys() -> None:
     assert document.transforms["T"].rotation == (0, 0, 1, 0)
     empty = fat_from_json({**GOOD, "tables": [{"fapID": 6, "meshes": [{"mesh": "M"}]}]})
     assert empty.tables[0].meshes[0].displacements.shape == (0, 0, 3)
+
+
+def test_another_document_is_no_empty_model() -> None:
+    with pytest.raises(InputFormat):
+        fat_from_json({"FAPs": []})
 
 
 def test_vertex_limit(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.errors import InputFormat, SnhcError
 from snhc.reference_impl.documents.bt_text import tokens
 from snhc.reference_impl.documents.json_text import parse_json
 from snhc.reference_impl.interpolation.fit import fit_from_json, fit_to_fields, load_fit, parse_fit_json
@@ -44,7 +44,13 @@ def test_good_table() -> None:
 
 
 def test_absent_fields_are_empty_and_other_keys_ignored() -> None:
-    assert fit_from_json({"comment": 1}).sets == ()
+    assert fit_from_json({}).sets == ()
+    assert fit_from_json({"comment": 1, "FAPs": []}).sets == ()
+
+
+def test_another_document_is_no_empty_table() -> None:
+    with pytest.raises(InputFormat):
+        fit_from_json({"meshes": {}})
 
 
 CASES: list[tuple[dict[str, object], str, str, int | None]] = [

@@ -486,11 +486,18 @@ def test_zero_padding(zeros: int) -> None:
     assert _ids(EX1[:14] + bytes(zeros)) == [("zero-padding", (112, 112 + 8 * zeros))]
 
 
-@pytest.mark.parametrize("tail", [b"", b"\x00\x00\x01\xb1", b"\x7f", b"\x7f\x00\x00\x01\xb1"])
+@pytest.mark.parametrize("tail", [b"", b"\x7f", b"\x7f\x00\x00\x01\xb1"])
 def test_object_without_planes(tail: bytes) -> None:
     ids = [id for id, _ in _ids(EX1[:4] + tail)]
     assert ids == (["object-stuffing"] if tail[:1] == b"\x7f" else []) + ["empty-object"]
     assert decoded(EX1[:4] + tail)[0] == []
+
+
+@pytest.mark.parametrize("code", ["000001b1", "000001b2", "000001ba", "000001bc"])
+def test_another_start_code_directly_behind_the_object(code: str) -> None:
+    error = traced(EX1[:4] + bytes.fromhex(code))[2]
+    assert error is not None
+    assert (error.error_class, error.rule, error.bits) == ("ForbiddenValue", "MSH-25", (32, 64))
 
 
 @pytest.mark.parametrize("content", [[b""], [b"text"], [b"\x00\x00", b"\x01\xff"], [bytes(7), b"", b"x" * 300]])

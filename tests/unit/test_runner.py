@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
 import sys
 import time
 from dataclasses import replace
@@ -447,7 +448,6 @@ def test_a_bug_of_the_built_in_decoder_is_a_crash(monkeypatch: pytest.MonkeyPatc
     [
         (["--filter", "no.such.vector"], 1),
         (["--filter", "colour=red"], 2),
-        (["no-such-file.toml"], 2),
         (["--filter", VALID], 0),
         (["--filter", VALID, "--adapter-command", f"{sys.executable} {HARNESS}/rejects_everything.py"], 1),
         (["--filter", VALID, "--adapter-command", f"{sys.executable} {HARNESS}/prints_nothing.py"], 5),
@@ -457,6 +457,13 @@ def test_a_bug_of_the_built_in_decoder_is_a_crash(monkeypatch: pytest.MonkeyPatc
 def test_exit_codes(words: list[str], code: int) -> None:
     result = CliRunner().invoke(run_command, words)
     assert result.exit_code == code, result.output
+
+
+def test_an_adapter_file_that_is_missing_is_an_input_error() -> None:
+    command = [sys.executable, "-m", "snhc.conformance.cli", "run", "no-such-file.toml"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout) == (3, "")
+    assert "no-such-file.toml" in result.stderr
 
 
 def test_the_report_goes_to_a_file_in_the_format_of_its_name(tmp_path: Path) -> None:

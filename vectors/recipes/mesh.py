@@ -578,8 +578,11 @@ def stuffed() -> Accept:
     tools=_MESH,
 )
 def empty_object() -> Accept:
-    """No plane and no frame; a finding."""
-    return Accept([mesh_object([]), end_code()], lines=0, findings=("empty-object",))
+    """A byte 0x7F and another start code directly behind the object's: no plane, no frame; two findings."""
+    item = mesh_object([])
+    assert item.mesh is not None
+    item.mesh.stuffing = 1
+    return Accept([item, end_code()], lines=0, findings=("object-stuffing", "empty-object"))
 
 
 @vector(
