@@ -11,7 +11,7 @@ from ..bitstream.cursor import MASKS, BitCursor, OutOfBits
 from ..bitstream.errors import MarkerBit, ReservedValue, Truncated
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
-from ..bitstream.startcodes import PREFIX
+from ..bitstream.startcodes import DRAFT_PLANE, FBA_OBJECT_PLANE, PREFIX
 from ..entropy.kernel import decode_segment
 from ..entropy.model import Model
 from ..entropy.prefix import LENGTH_BITS, LENGTH_MASK, PrefixTable
@@ -147,7 +147,7 @@ class Reader(SyntaxIO):
 
     def _bare_plane_code(self) -> bool:
         code = self.cursor.peek(32)
-        return self.cursor.has(32) and (code == 0x000001BB or (self.draft and code == 0x00000103))
+        return self.cursor.has(32) and (code == FBA_OBJECT_PLANE or (self.draft and code == DRAFT_PLANE))
 
     def at_end(self, v: bool) -> bool:
         return not self.cursor.has(1)

@@ -20,7 +20,9 @@ from ..bitstream.errors import (
     Unsupported,
 )
 from ..bitstream.startcodes import (
+    FBA_OBJECT_PLANE,
     MESH_OBJECT,
+    MESH_OBJECT_PLANE,
     USER_DATA,
     VISUAL_OBJECT,
     VISUAL_OBJECT_SEQUENCE,
@@ -252,7 +254,7 @@ def _refuse(io: SyntaxIO, code: int, start: int) -> None:
         head = io.head(4)
         io.require(False, _NOT_OURS, head.hex() if head else None, start, start + bits)
     known = any(row.value <= code <= row.last for row in start_codes())
-    if code in (VISUAL_OBJECT_SEQUENCE_END, USER_DATA, 0x000001BB, 0x000001BD):
+    if code in (VISUAL_OBJECT_SEQUENCE_END, USER_DATA, FBA_OBJECT_PLANE, MESH_OBJECT_PLANE):
         io.require(False, _NO_OBJECT, f"{code:08x}", start, start + 32)
     io.require(False, _NOT_BUILT if known else _NOT_OURS, f"{code:08x}", start, start + 32)
 
