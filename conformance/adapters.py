@@ -40,7 +40,7 @@ from typing import Any, Final, Protocol
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
 from snhc.vectors.decoding import decode_input
-from snhc.vectors.manifest import DecodeOptions, Entry
+from snhc.vectors.manifest import TOOLS, DecodeOptions, Entry
 
 from . import process
 
@@ -227,6 +227,8 @@ def load(path: Path) -> OneShot:
     for key in ("timeout", "output_bytes"):
         if not table.get(key, 1) > 0:
             raise misfit(key, "a number above 0")
+    if not all(tool in TOOLS for tool in table.get("tools", [])):
+        raise misfit("tools", f"of {', '.join(TOOLS)}")
     options = table.get("options", {})
     for name, words in options.items():
         if name not in OPTION_NAMES or not isinstance(words, list) or not all(isinstance(word, str) for word in words):

@@ -412,6 +412,7 @@ def test_an_adapter_file(tmp_path: Path) -> None:
         "command = []", "", 'command = "x"', 'command = ["x"]\nformat = "xml"', 'command = ["x"]\ncolour = 1',
         'command = ["x"]\ntimeout = 0', 'command = ["x"]\ntimeout = true', 'command = ["x"]\n[options]\ndraft = "-d"',
         "command = [", 'command = ["x"]\n[options]\nother = ["-d"]', 'command = [1]',
+        'command = ["x"]\ntools = ["foo"]',
     ],
 )  # fmt: skip
 def test_adapter_files_that_are_wrong(tmp_path: Path, text: str) -> None:

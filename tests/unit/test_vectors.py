@@ -25,6 +25,7 @@ from snhc.vectors.manifest import (
     DOCUMENTS,
     MANIFEST_NAME,
     SUITE,
+    TOOLS,
     Accepted,
     DecodeOptions,
     Entry,
@@ -301,3 +302,7 @@ def test_builders_make_the_masks_and_limits_that_were_asked_for() -> None:
     assert (data.group_mask[0], data.group_mask[1], data.group_mask[6]) == (0b01, 0b1000000000000001, 0b100)
     assert data.levels == [1, 2, 0, 0, 0, 0, 3]
     assert data.new == [1, 1, 1, 1] and data.limits[0][39] == 4 and data.limits[0][4] == 0
+
+
+def test_the_tools_are_those_that_an_adapter_can_claim() -> None:
+    assert {tool for entry in load(SUITE).entries for tool in entry.tools} == set(TOOLS)
