@@ -123,12 +123,16 @@ def run(
         return result
 
     tasks = [(adapter, entry) for adapter in adapters for entry in entries]
-    # Threads wait for processes; the built-in decoder would only wait for itself.
-    if jobs > 1 and any(not isinstance(adapter, BuiltIn) for adapter in adapters):
-        with ThreadPoolExecutor(jobs) as pool:
-            results = list(pool.map(one, tasks))
-    else:
-        results = [one(task) for task in tasks]
+    try:
+        # Threads wait for processes; the built-in decoder would only wait for itself.
+        if jobs > 1 and any(not isinstance(adapter, BuiltIn) for adapter in adapters):
+            with ThreadPoolExecutor(jobs) as pool:
+                results = list(pool.map(one, tasks))
+        else:
+            results = [one(task) for task in tasks]
+    finally:
+        for adapter in adapters:
+            adapter.close()
     return Report(manifest.suite, filter, tuple(adapter.name for adapter in adapters), tuple(results))
 
 

@@ -59,8 +59,6 @@ def command(
     Exit codes: 0 every decoder passes, 1 one fails (an empty run fails), 2 usage, 3 a file cannot be read, 5 nothing
     but the adapters is at fault.
     """
-    from dataclasses import replace
-
     from snhc.conformance import adapters as kinds
     from snhc.conformance import report as reports
     from snhc.conformance.filters import selector
@@ -73,11 +71,11 @@ def command(
         select = selector(expression)
     except InputFormat as error:
         raise click.BadParameter(error.message, param_hint="--filter") from error
-    foreign = [kinds.load(path) for path in adapter]
+    foreign: list[kinds.Adapter] = [kinds.load(path) for path in adapter]
     foreign += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
     if timeout is not None:
-        foreign = [replace(one, timeout=timeout) for one in foreign]
-    decoders: list[kinds.Adapter] = [*foreign] or [kinds.BuiltIn()]
+        foreign = [one.timed(timeout) for one in foreign]
+    decoders = foreign or [kinds.BuiltIn()]
     folder = suite if suite is not None else SUITE
     report = run(load(folder), decoders, suite=folder, select=select, filter=expression, jobs=jobs)
     with Output(common.output, common.keep_partial) as out:

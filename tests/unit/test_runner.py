@@ -440,7 +440,7 @@ def test_a_bug_of_the_built_in_decoder_is_a_crash(monkeypatch: pytest.MonkeyPatc
     def broken(media: str, data: bytes, aux: object, options: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("snhc.conformance.adapters.decode_input", broken)
+    monkeypatch.setattr("snhc.conformance.adapters.builtin.decode_input", broken)
     assert statuses(BuiltIn(), VALID, INVALID) == ("crash", "crash")
 
 
