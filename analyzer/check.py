@@ -1,7 +1,7 @@
 """Checks of an input: its findings. What kind of input it is, its content tells.
 
 Rules: CNF-2 (recognised by content), CNF-23, FAC-1, FAC-2, FAC-3, FAC-7, FAT-11, FIT-9.
-Not here: profiles, policies.
+Profiles and levels: `profiles`.
 
     JSON with `points`                 face definition: locations, neutral face, missing points
     JSON with `tables` or `meshes`     model with face animation tables
@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import BinaryIO, Final
+from typing import TYPE_CHECKING, BinaryIO, Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.findings import Finding
@@ -25,7 +25,13 @@ from snhc.reference_impl.bitstream.source import open_source
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_planes
 
+if TYPE_CHECKING:
+    from snhc.reference_impl.tables import ProfileLevel
+
+    from .profiles import LevelReport
+
 Report = Callable[[Finding], None]
+_OUTSIDE: Final = "profile-tool"
 
 _HEAD_BYTES: Final = 4096
 _NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -37,17 +43,27 @@ _PROPERTIES: Final = {"points": "face", "tables": "model", "meshes": "model", "F
 
 
 @dataclass(frozen=True, slots=True)
+class Checked:
+    """What was checked. Rules: CNF-2, SYS-10. `kind`: of the input; `levels`: of a stream, where they were wanted."""
+
+    kind: str
+    levels: LevelReport | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class CheckOptions:
     """What a check may be told.
 
-    Rules: CNF-23. `tolerance`: of places of feature points in model units, None: 2 % of ES0. `stream`: how a stream is
-    read.
+    Rules: CNF-23, SYS-10. `tolerance`: of places of feature points in model units, None: 2 % of ES0. `stream`: how a
+    stream is read. `levels`: hold a stream against `profile`, None: the one that it signals.
     """
 
     tolerance: float | None = None
     stream: Options = DEFAULT_OPTIONS
     limits: Limits = DEFAULT_LIMITS
     strict: bool = False
+    levels: bool = False
+    profile: ProfileLevel | None = None
 
 
 DEFAULT_CHECK: Final = CheckOptions()
@@ -67,7 +83,7 @@ def kind_of_text(data: bytes) -> str:
     return "stream"
 
 
-def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAULT_CHECK) -> str:
+def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAULT_CHECK) -> Checked:
     """Report all findings of an input; returns what it is: `face`, `model`, `fit`, `fap` or `stream`.
 
     Rules: CNF-2, CNF-23. `stream`: opened in binary mode, with `peek` where it cannot go back. Raises what reading it
@@ -79,22 +95,21 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
         stream.seek(0)
     kind = kind_of_text(head)
     if kind == "json":
-        return _check_json(stream.read(options.limits.json_bytes + 1), report, options)
+        return Checked(_check_json(stream.read(options.limits.json_bytes + 1), report, options))
     if kind == "fdp":
         from snhc.reference_impl.model.face_definition import parse_fdp
 
         definition, findings = parse_fdp(stream.read())
         for finding in (*findings, *_face_findings(definition, options)):
             report(finding)
-        return "face"
+        return Checked("face")
     if kind == "fap":
         from snhc.reference_impl.face.fap_text import read_fap
 
         for finding in read_fap(stream, strict=options.strict, limits=options.limits).findings:
             report(finding)
-        return "fap"
-    _check_stream(stream, report, options)
-    return "stream"
+        return Checked("fap")
+    return Checked("stream", _check_stream(stream, report, options))
 
 
 def _check_json(data: bytes, report: Report, options: CheckOptions) -> str:
@@ -139,12 +154,33 @@ def _face_findings(definition: object, options: CheckOptions) -> Iterator[Findin
         yield check.finding
 
 
-def _check_stream(stream: BinaryIO, report: Report, options: CheckOptions) -> None:
+def _check_stream(stream: BinaryIO, report: Report, options: CheckOptions) -> LevelReport | None:
     from snhc.reference_impl.model.feature_motion import unidirectional_findings
 
-    for plane in decode_planes(open_source(stream), options.stream, report):
+    source = open_source(stream)
+    outside: set[tuple[int, int] | None] = set()
+
+    def reported(finding: Finding) -> None:
+        if finding.id == _OUTSIDE:
+            outside.add(finding.bits)
+        report(finding)
+
+    for plane in decode_planes(source, options.stream, reported):
         for frame in plane.frames:
             if isinstance(frame, FaceFrame):
                 sent = [v if s == "T" else None for v, s in zip(frame.faps, frame.state, strict=True)]
                 for finding in unidirectional_findings(sent, frame.index):
                     report(finding)
+    if not options.levels:
+        return None
+    from .profiles import check_profile
+
+    def further(finding: Finding) -> None:
+        # What the object that was decoded holds has been reported; the levels are about all of them.
+        if finding.id == _OUTSIDE and finding.bits not in outside:
+            report(finding)
+
+    levels = check_profile(source, options.stream, options.profile, further)
+    for finding in levels.findings:
+        report(finding)
+    return levels

@@ -186,7 +186,7 @@ def _end_of_data(io: SyntaxIO, obj: FbaObject, kind: int) -> None:
 
 
 def fba_object_plane(io: SyntaxIO, state: FaceState, plane: FbaPlane) -> None:
-    """`fba_object_plane()` behind its start code. Rules: FBA-5, FBA-35, FBA-39."""
+    """`fba_object_plane()` behind its start code. Rules: FBA-5, FBA-35, FBA-39, SYS-9 (bodies)."""
     start = io.tell()
     plane.is_intra = io.u(IS_INTRA, 1, plane.is_intra)
     plane.fba_object_mask = io.u(FBA_OBJECT_MASK, 2, plane.fba_object_mask)
@@ -214,6 +214,7 @@ def fba_object_plane(io: SyntaxIO, state: FaceState, plane: FbaPlane) -> None:
             data = ParameterData(BAP_GROUPS)
             plane.baps = data
         io.enter(AT_BAP, -1)
+        io.tool("body")
         bap_data(io, state.baps, data, plane.is_intra)
         io.leave()
 

@@ -45,6 +45,8 @@ class SyntaxIO:
         self.tail = 0
         self.draft = False
         self.strict = False
+        # The tools that the signalled profile does not contain and that have not been met yet.
+        self.outside: frozenset[str] = frozenset()
 
     @property
     def profile(self) -> EntropyProfile:
@@ -147,6 +149,16 @@ class SyntaxIO:
 
     def finding(self, id: str, message: str, start: int, end: int) -> None:
         """Something accepted but wrong or odd. Rules: CNF-23. Only readers report."""
+
+    def tool(self, name: str) -> None:
+        """Data of a tool (`face`, `body`, `mesh`) begins here; outside the signalled profile that is a finding, once.
+
+        Rules: SYS-9.
+        """
+        if name in self.outside:
+            self.outside -= {name}
+            start = self.tell()
+            self.finding("profile-tool", f"{name} data, which the signalled profile does not contain", start, start + 1)
 
     # -- the path ------------------------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """Visual object sequences: the headers around a face object, and files that begin without them.
 
-Rules: SYS-1, SYS-2, SYS-3, SYS-4, SYS-5, SYS-6, SYS-7, SYS-8 (names of profiles), FBA-1, FBA-3, FBA-44.
-Not here: profile and level checks (SYS-9..12), MP4 and BIFS (SYS-13..62).
+Rules: SYS-1, SYS-2, SYS-3, SYS-4, SYS-5, SYS-6, SYS-7, SYS-8 (names of profiles), SYS-9, FBA-1, FBA-3, FBA-44.
+Not here: level checks (SYS-10..12), MP4 and BIFS (SYS-13..62).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ..mesh.records import MeshObject, MeshPlane
 from ..mesh.syntax import mesh_object
 from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault
-from ..tables import profile_level_codes, start_codes
+from ..tables import profile_level_codes, profile_tools, start_codes
 
 SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2")
 SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1")
@@ -137,6 +137,17 @@ def profile_name(code: int) -> str:
     return {0xFE: "none of these", 0xFF: "none needed"}.get(code, "")
 
 
+def tools_outside(code: int) -> frozenset[str]:
+    """The tools that a signalled profile does not contain; what is no known profile excludes none.
+
+    Rules: SYS-8, SYS-9.
+    """
+    for row in profile_level_codes():
+        if row.code == code:
+            return frozenset(("face", "body", "mesh")) - profile_tools()[row.profile]
+    return frozenset()
+
+
 def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[StreamItem, AnyPlane | None]]:
     """A whole stream: (item, None) for each item once its header is known, (item, plane) for each plane.
 
@@ -203,6 +214,7 @@ def visual_stream(io: SyntaxIO, items: Iterator[StreamItem]) -> Iterator[tuple[S
 
 def _object(io: SyntaxIO, item: StreamItem) -> Iterator[tuple[StreamItem, AnyPlane | None]]:
     """The item of an object, then each of its planes."""
+    io.tool("mesh" if item.code == MESH_OBJECT else "face")
     if item.code == MESH_OBJECT:
         if item.mesh is None:
             item.mesh = MeshObject()
@@ -269,6 +281,7 @@ def _sequence_header(io: SyntaxIO, item: StreamItem) -> None:
     start = io.tell()
     item.profile = io.u(PROFILE_AND_LEVEL, 8, item.profile)
     item.end = io.tell()
+    io.outside = tools_outside(item.profile)
     if not profile_name(item.profile):
         io.finding("profile-unknown", f"profile_and_level_indication 0x{item.profile:02X}", start, io.tell())
 

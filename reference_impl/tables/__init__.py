@@ -3,7 +3,7 @@
 `loader` holds the typed tables, `prefix` the variable length codes, `reading` what both share. Importing
 them reads no file; a table is read, checked and kept when it is first asked for.
 
-Rules: FBA-18, FBA-40, DCT-5, MSH-5, MSH-12, SYS-1, SYS-8, FAC-4, FAC-6. The BIFS node tables (SYS-51) are
+Rules: FBA-18, FBA-40, DCT-5, MSH-5, MSH-12, SYS-1, SYS-8, SYS-9, FAC-4, FAC-6. The BIFS node tables (SYS-51) are
 **not** here.
 """
 
@@ -21,6 +21,7 @@ from snhc.reference_impl.tables.loader import (
     left_right_pairs,
     mesh_motion_range,
     profile_level_codes,
+    profile_tools,
     start_code,
     start_codes,
     viseme_expression_symbols,
@@ -66,6 +67,7 @@ __all__ = [
     "mesh_motion_range",
     "prefix_table",
     "profile_level_codes",
+    "profile_tools",
     "start_code",
     "start_codes",
     "viseme_expression_symbols",

@@ -311,6 +311,21 @@ def profile_level_codes(folder: Path = TABLES) -> tuple[ProfileLevel, ...]:
 
 
 @cache
+def profile_tools(folder: Path = TABLES) -> dict[str, frozenset[str]]:
+    """Which of the tools `face`, `body` and `mesh` a profile contains, by the profile's name; none where it has none.
+
+    Rules: SYS-9, SYS-8.
+    """
+    names = {row.profile for row in profile_level_codes(folder)}
+    out: dict[str, set[str]] = {name: set() for name in names}
+    for row in read_rows(folder, "profile_tools.csv", "SYS-9", ("profile", "tool"), 7):
+        _choice(row, "profile", tuple(sorted(names)))
+        _choice(row, "tool", ("face", "body", "mesh"))
+        out[row.text("profile")].add(row.text("tool"))
+    return {name: frozenset(tools) for name, tools in out.items()}
+
+
+@cache
 def mesh_motion_range(folder: Path = TABLES) -> tuple[MotionRange, ...]:
     """motion_range_code 0..7; index 0 is the forbidden code.
 
