@@ -8,6 +8,8 @@ Profiles and levels: `profiles`.
     JSON with FIT field names          FAP interpolation table
     text `g.n x y z m.v`               face definition
     text with a `.fap` header          FAP text
+    node text that begins with FIT     FAP interpolation table
+    other node text                    model with face animation tables
     anything else                      a stream: what its decoding finds, and negative values of unidirectional FAPs
 """
 
@@ -16,6 +18,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from snhc.reference_impl.tables import ProfileLevel
 
     from .profiles import LevelReport
+    from snhc.reference_impl.interpolation.fit import FitReadings
 
 Report = Callable[[Finding], None]
 _OUTSIDE: Final = "profile-tool"
@@ -39,6 +43,8 @@ _FDP_LINE: Final = re.compile(
     rf"[1-9]\d?\.[1-9]\d?[\s,]+{_NUMBER}[\s,]+{_NUMBER}[\s,]+{_NUMBER}(?:[\s,]+-?\d+\.-?\d+)?\s*"
 )
 _FAP_LINE: Final = re.compile(r"\d+\.\d+\s+\S+\s+\d\S*\s+\d+\s*")
+# `FIT {` or `DEF name FIT {`, behind comments; what stands between tokens may be a comma.
+_NODE: Final = re.compile(r"(?:[\s,]+|#[^\n]*\n)*(?:DEF[\s,]+[^\s,{}\[\]\"#]+[\s,]+)?([A-Za-z_]\w*)[\s,]*\{")
 _PROPERTIES: Final = {"points": "face", "tables": "model", "meshes": "model", "FAPs": "fit", "Graph": "fit"}
 
 
@@ -55,7 +61,8 @@ class CheckOptions:
     """What a check may be told.
 
     Rules: CNF-23, SYS-10. `tolerance`: of places of feature points in model units, None: 2 % of ES0. `stream`: how a
-    stream is read. `levels`: hold a stream against `profile`, None: the one that it signals.
+    stream is read. `levels`: hold a stream against `profile`, None: the one that it signals. `folder`: where the face
+    definition that a model may name stands; None: it may name none.
     """
 
     tolerance: float | None = None
@@ -64,18 +71,22 @@ class CheckOptions:
     strict: bool = False
     levels: bool = False
     profile: ProfileLevel | None = None
+    folder: Path | None = None
 
 
 DEFAULT_CHECK: Final = CheckOptions()
 
 
 def kind_of_text(data: bytes) -> str:
-    """`json`, `fdp`, `fap`, or `stream` for all else, by the first bytes of an input. Rules: CNF-2."""
+    """`json`, `fdp`, `fap`, `fit` or `model` (node text), or `stream`, by the first bytes of an input. Rules: CNF-2."""
     data = data.removeprefix(b"\xef\xbb\xbf")
     if data.lstrip()[:1] == b"{":
         return "json"
     if b"\0" in data:
         return "stream"
+    node = _NODE.match(data.decode("latin-1"))
+    if node is not None:
+        return "fit" if node[1] == "FIT" else "model"
     for line in data.decode("latin-1").splitlines():
         text = line.partition("#")[0].strip()
         if text:
@@ -96,6 +107,20 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
     kind = kind_of_text(head)
     if kind == "json":
         return Checked(_check_json(stream.read(options.limits.json_bytes + 1), report, options))
+    if kind == "fit":
+        from snhc.reference_impl.interpolation.fit import parse_fit
+
+        limits = options.limits
+        data = stream.read(limits.json_bytes + 1)
+        parse_fit(
+            data, _fit_readings(options), max_sets=limits.fit_sets, max_links=limits.fit_links, limit=limits.json_bytes
+        )
+        return Checked(kind)
+    if kind == "model":
+        from .face_scene import read_model
+
+        read_model(stream.read(options.limits.json_bytes + 1), options.folder, options.limits, report)
+        return Checked(kind)
     if kind == "fdp":
         from snhc.reference_impl.model.face_definition import parse_fdp
 
@@ -127,14 +152,21 @@ def _check_json(data: bytes, report: Report, options: CheckOptions) -> str:
         for finding in _face_findings(face_definition_from_json(root), options):
             report(finding)
     elif kind == "model":
-        from snhc.reference_impl.model.fat_json import fat_from_json
+        from .face_scene import model_from_json
 
-        fat_from_json(root, max_vertices=options.limits.fat_vertices)
+        model_from_json(root, options.folder, options.limits)
     else:
         from snhc.reference_impl.interpolation.fit_table import fit_from_json
 
-        fit_from_json(root, max_sets=options.limits.fit_sets, max_links=options.limits.fit_links)
+        limits, impulse = options.limits, _fit_readings(options).impulse
+        fit_from_json(root, impulse=impulse, max_sets=limits.fit_sets, max_links=limits.fit_links)
     return kind
+
+
+def _fit_readings(options: CheckOptions) -> FitReadings:
+    from .face_lines import fit_readings
+
+    return fit_readings(options.stream.readings)
 
 
 def _face_findings(definition: object, options: CheckOptions) -> Iterator[Finding]:

@@ -60,7 +60,8 @@ def fit_readings(readings: Readings = DEFAULT_READINGS) -> FitReadings:
 
 def load_table(name: str, readings: Readings = DEFAULT_READINGS, limits: Limits = DEFAULT_LIMITS) -> FitTable:
     """A FIT from a file of either form. Rules: FIT-1, FIT-9, CNF-22. Raises as `load_fit`."""
-    return load_fit(Path(name), fit_readings(readings), max_sets=limits.fit_sets, max_links=limits.fit_links)
+    chosen = fit_readings(readings)
+    return load_fit(Path(name), chosen, max_sets=limits.fit_sets, max_links=limits.fit_links, limit=limits.json_bytes)
 
 
 def plain_frame(frame: DecodedFrame) -> FaceFrame:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,10 @@ from snhc.reference_impl.bitstream.errors import InputFormat, RangeViolation
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
 from snhc.reference_impl.documents.json_text import as_array, as_int, as_object, parse_json
-from snhc.reference_impl.model.fapu import Fapu
 from snhc.reference_impl.model.fat import FatReadings, FrameLike, evaluate
 from snhc.reference_impl.model.fat_bulk import BLOCK_FRAMES, BulkFat, Float32Array
 from snhc.reference_impl.model.fat_document import FatDocument, FloatArray
-from snhc.reference_impl.model.fat_json import fat_from_json
+from snhc.reference_impl.model.fat_json import definition_reader, fat_from_json
 from snhc.reference_impl.model.fat_text import parse_fat_text
 from snhc.reference_impl.model.feature_motion import Pose, high_level_faps
 from snhc.reference_impl.model.head import head_poses, load_head
@@ -76,21 +75,43 @@ def load_model(
     """A model: the shipped head (None or `head`), or a file of either FAT form, told apart by content.
 
     Rules: FAC-10, FAT-1, FAT-11, CNF-2, CNF-22. In a JSON document the keys `palette` ({name: [r, g, b]}) and `colors`
-    ({mesh: one palette number per face}) may give colours. Raises as `fat_from_json` and `parse_fat_text`, OSError.
+    ({mesh: one palette number per face}) may give colours. Raises as `read_model`, OSError.
     """
     if name is None or name == HEAD:
         return _shipped()
     path = Path(name)
-    data = path.read_bytes()
+    with path.open("rb") as file:
+        data = file.read(limits.json_bytes + 1)
+    return read_model(data, path.parent, limits, on_finding)
+
+
+def read_model(
+    data: bytes,
+    folder: Path | None = None,
+    limits: Limits = DEFAULT_LIMITS,
+    on_finding: Callable[[Finding], None] | None = None,
+) -> FaceModel:
+    """A model from the bytes of a file of either FAT form, told apart by content.
+
+    Rules: FAC-10, FAT-1, FAT-11, CNF-22. `folder`: where the face definition that the model may name stands; None: it
+    may name none. Raises as `fat_from_json` and `parse_fat_text`.
+    """
     if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] != b"{":
-        document, findings = parse_fat_text(data)
+        document, findings = parse_fat_text(data, max_vertices=limits.fat_vertices, limit=limits.json_bytes)
         if on_finding is not None:
             for finding in findings:
                 on_finding(finding)
         return FaceModel(document, _colours(document, {}), {}, {})
     value = parse_json(data, rule="FAT-1", what="FAT document", limit=limits.json_bytes)
-    root = as_object(value, "", "FAT-1")
-    document = fat_from_json(root, read_definition=_definition_reader(path), max_vertices=limits.fat_vertices)
+    return model_from_json(as_object(value, "", "FAT-1"), folder, limits)
+
+
+def model_from_json(
+    root: Mapping[str, object], folder: Path | None = None, limits: Limits = DEFAULT_LIMITS
+) -> FaceModel:
+    """A model from parsed JSON. Rules: FAC-10, FAT-1, FAT-11. Arguments and errors as `read_model`."""
+    reader = None if folder is None else definition_reader(folder)
+    document = fat_from_json(root, read_definition=reader, max_vertices=limits.fat_vertices)
     return FaceModel(document, _colours(document, root), {}, {})
 
 
@@ -99,20 +120,6 @@ def _shipped() -> FaceModel:
     document = fat_from_json(root)
     visemes, expressions = head_poses()
     return FaceModel(document, _colours(document, root), visemes, expressions, _MILLIMETRE)
-
-
-def _definition_reader(path: Path) -> Any:
-    from snhc.reference_impl.model.face_definition import load_face_definition
-
-    def read(name: str) -> Fapu:
-        try:
-            return load_face_definition(path.parent / name).fapu()
-        except OSError as error:
-            raise InputFormat(
-                "FAC-1", "face", value=name, allowed=f"a readable file ({error.strerror})", path="fapu.face"
-            ) from None
-
-    return read
 
 
 def _colours(document: FatDocument, root: Mapping[str, object]) -> dict[str, Colours]:

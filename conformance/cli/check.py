@@ -6,6 +6,7 @@ Rules: CNF-2, CNF-19, CNF-23.
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -66,9 +67,10 @@ def command(
 ) -> None:
     """Print the findings of an input.
 
-    FILE: a stream, .fap text, a face definition (JSON or .fdp), a FAT model or a FIT as JSON; - for standard input.
-    What it is, its content tells. With --format json a finding is one JSON line. --profile measures all objects of a
-    stream: bit rates, frame rates, faces; limits are known for Simple Face Animation, all else is not_checked.
+    FILE: a stream, .fap text, a face definition (JSON or .fdp), a FAT model or a FIT (JSON, or the text of their
+    nodes); - for standard input. What it is, its content tells. With --format json a finding is one JSON line.
+    --profile measures all objects of a stream: bit rates, frame rates, faces; limits are known for Simple Face
+    Animation, all else is not_checked.
 
     Exit codes: 0 no finding at --fail-on or above, 1 there is one, 2 usage, 3 input or I/O, 4 it does not decode.
     """
@@ -88,6 +90,7 @@ def command(
             options = CheckOptions(
                 tolerance, common.options(object_number), common.limits, common.strict,
                 levels=profile is not None, profile=None if isinstance(profile, str) else profile,
+                folder=None if file == "-" else Path(file).parent,
             )  # fmt: skip
             checked = check_input(stream, report, options)  # type: ignore[arg-type]
         if profile is not None and checked.levels is None:

@@ -13,6 +13,7 @@ from math import isfinite, trunc
 from pathlib import Path
 from typing import Final
 
+from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES
 from snhc.reference_impl.interpolation.fit_table import (
     FIT_COEFS,
     FIT_FIELDS,
@@ -49,6 +50,7 @@ __all__ = [
     "function_value",
     "interpolate",
     "load_fit",
+    "parse_fit",
     "parse_fit_json",
     "round_half_away",
     "value_list",
@@ -80,17 +82,34 @@ def load_fit(
     *,
     max_sets: int = MAX_SETS,
     max_links: int = MAX_LINKS,
+    limit: int = MAX_JSON_BYTES,
 ) -> FitTable:
-    """A table from a JSON file or from the VRML/BT text form, told apart by content.
+    """A table from a file of either form.
 
-    Rules: FIT-1, FIT-9, CNF-2. Raises as the two parsers; `OSError` where the file cannot be read.
+    Rules: FIT-1, FIT-9, CNF-2. Raises as `parse_fit`; `OSError` where the file cannot be read.
+    """
+    with path.open("rb") as file:
+        data = file.read(limit + 1)
+    return parse_fit(data, readings, max_sets=max_sets, max_links=max_links, limit=limit)
+
+
+def parse_fit(
+    data: bytes,
+    readings: FitReadings = DEFAULT_READINGS,
+    *,
+    max_sets: int = MAX_SETS,
+    max_links: int = MAX_LINKS,
+    limit: int = MAX_JSON_BYTES,
+) -> FitTable:
+    """A table from JSON or from the VRML/BT text form, told apart by content.
+
+    Rules: FIT-1, FIT-9, CNF-2, CNF-22. `limit`: bytes. Raises as the two parsers.
     """
     from snhc.reference_impl.interpolation.fit_text import parse_fit_text
 
-    data = path.read_bytes()
-    if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"["):
-        return parse_fit_json(data, impulse=readings.impulse, max_sets=max_sets, max_links=max_links)
-    return parse_fit_text(data, impulse=readings.impulse, max_sets=max_sets, max_links=max_links)
+    as_json = data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"[")
+    parse = parse_fit_json if as_json else parse_fit_text
+    return parse(data, impulse=readings.impulse, max_sets=max_sets, max_links=max_links, limit=limit)
 
 
 def _power(base: float, exponent: int) -> float:

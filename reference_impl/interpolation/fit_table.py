@@ -12,7 +12,7 @@ from heapq import heapify, heappop, heappush
 from typing import Final, NoReturn
 
 from snhc.reference_impl.bitstream.errors import InconsistentSemantics, InputFormat, RangeViolation, ResourceLimit
-from snhc.reference_impl.documents.json_text import as_object, float_list, int_list, parse_json
+from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES, as_object, float_list, int_list, parse_json
 
 MAX_SETS: Final = 256
 MAX_LINKS: Final = 1024
@@ -324,14 +324,19 @@ def fit_from_json(
 
 
 def parse_fit_json(
-    data: bytes | str, *, impulse: str = "from-0", max_sets: int = MAX_SETS, max_links: int = MAX_LINKS
+    data: bytes | str,
+    *,
+    impulse: str = "from-0",
+    max_sets: int = MAX_SETS,
+    max_links: int = MAX_LINKS,
+    limit: int = MAX_JSON_BYTES,
 ) -> FitTable:
     """A table from JSON text.
 
     Rules: FIT-1, FIT-9, CNF-22, CNF-25. Raises as `fit_from_json`; `InputFormat` with line and column where
     the text is not JSON.
     """
-    value = parse_json(data, rule="FIT-9", what="FIT document")
+    value = parse_json(data, rule="FIT-9", what="FIT document", limit=limit)
     return fit_from_json(value, impulse=impulse, max_sets=max_sets, max_links=max_links)
 
 

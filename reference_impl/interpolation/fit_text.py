@@ -12,6 +12,7 @@ from typing import Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat, SnhcError
 from snhc.reference_impl.documents.bt_text import BtNode, floats, ints, parse_nodes, unknown_field
+from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES
 from snhc.reference_impl.interpolation.fit_table import (
     FIT_COEFS,
     FIT_FIELDS,
@@ -27,7 +28,12 @@ _PATH: Final = re.compile(r"(\w+)\[([0-9]+)\]")
 
 
 def parse_fit_text(
-    data: bytes | str, *, impulse: str = "from-0", max_sets: int = MAX_SETS, max_links: int = MAX_LINKS
+    data: bytes | str,
+    *,
+    impulse: str = "from-0",
+    max_sets: int = MAX_SETS,
+    max_links: int = MAX_LINKS,
+    limit: int = MAX_JSON_BYTES,
 ) -> FitTable:
     """A table from the text of one FIT node.
 
@@ -35,7 +41,7 @@ def parse_fit_text(
     `build_fit` raises with the path and the line and column of the entry (of the field, where an entry is
     missing).
     """
-    found = parse_nodes(data)
+    found = parse_nodes(data, limit=limit)
     if len(found) != 1 or found[0].type != "FIT":
         place = found[min(len(found), 2) - 1].start if found else None
         raise InputFormat(

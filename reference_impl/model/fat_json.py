@@ -218,18 +218,22 @@ def load_fat(path: Path, *, max_vertices: int = MAX_FAT_VERTICES) -> FatDocument
 
     Rules: FAT-1, FAT-11, FAC-1. Raises as `fat_from_json`; `OSError` where the file cannot be read.
     """
+    return parse_fat_json(path.read_bytes(), read_definition=definition_reader(path.parent), max_vertices=max_vertices)
+
+
+def definition_reader(folder: Path) -> ReadDefinition:
+    """A function that reads the units of a face definition in a folder. Rules: FAC-1."""
     from snhc.reference_impl.model.face_definition import load_face_definition
 
-    def read_definition(name: str) -> Fapu:
-        target = path.parent / name
+    def read(name: str) -> Fapu:
         try:
-            return load_face_definition(target).fapu()
+            return load_face_definition(folder / name).fapu()
         except OSError as error:
             raise InputFormat(
                 "FAC-1", "face", value=name, allowed=f"a readable file ({error.strerror})", path="fapu.face"
             ) from None
 
-    return parse_fat_json(path.read_bytes(), read_definition=read_definition, max_vertices=max_vertices)
+    return read
 
 
 def fat_to_json(document: FatDocument) -> dict[str, object]:

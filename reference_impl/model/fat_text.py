@@ -17,9 +17,11 @@ import numpy as np
 from snhc.reference_impl.bitstream.errors import InconsistentSemantics, InputFormat, SnhcError, Unsupported
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.documents.bt_text import BtNode, Token, floats, ints, nodes, parse_nodes, unknown_field
+from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES
 from snhc.reference_impl.model.face_definition import FaceDefinition, feature_points
 from snhc.reference_impl.model.fapu import Fapu
 from snhc.reference_impl.model.fat_document import (
+    MAX_FAT_VERTICES,
     NEUTRAL_ROTATION,
     NEUTRAL_SCALE,
     NEUTRAL_TRANSLATION,
@@ -261,29 +263,41 @@ def _table(scene: _Scene, node: BtNode, path: str, findings: list[Finding]) -> F
     )
 
 
-def parse_fat_text(data: bytes | str, fapu: Fapu | None = None) -> tuple[FatDocument, list[Finding]]:
+def parse_fat_text(
+    data: bytes | str,
+    fapu: Fapu | None = None,
+    *,
+    max_vertices: int = MAX_FAT_VERTICES,
+    limit: int = MAX_JSON_BYTES,
+) -> tuple[FatDocument, list[Finding]]:
     """A FAT document from the text form, checked.
 
     Rules: FAT-1, FAT-9, FAT-11, SYS-55, SYS-56, SYS-58, CNF-25.
 
     `fapu`: the units; None takes them from the 84 points of featurePointsCoord, in the order of table 6.
     Meshes and nodes have their DEF names (a face set without one that of its Shape, else MeshN and
-    TransformN). Raises `InputFormat` (line, column), `Unsupported`, and what `check_fat` raises with path,
-    line and column of the table.
+    TransformN). Raises `InputFormat` (line, column; also where there is neither a table nor a face set),
+    `Unsupported`, and what `check_fat` raises with path, line and column of the table.
     """
-    found = parse_nodes(data)
+    found = parse_nodes(data, limit=limit)
     scene = _Scene()
     for node in found:
         scene.names(node)
     for node in found:
         scene.walk(node, "", "")
+    if not scene.tables and not scene.meshes:
+        start = found[0].start if found else None
+        raise InputFormat(
+            "FAT-1", "text", value=start.text if start else "empty", allowed="FaceDefTables or IndexedFaceSet nodes",
+            line=start.line if start else 1, column=start.column if start else 1,
+        )  # fmt: skip
     if fapu is None:
         fapu = _feature_units(scene)
     findings: list[Finding] = []
     tables = tuple(_table(scene, node, f"tables[{i}]", findings) for i, node in enumerate(scene.tables))
     document = FatDocument(fapu, scene.meshes, tables, scene.transforms)
     try:
-        check_fat(document)
+        check_fat(document, max_vertices=max_vertices)
     except SnhcError as error:
         place = _place(scene, error.path)
         if place is not None:

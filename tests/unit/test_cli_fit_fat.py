@@ -12,8 +12,12 @@ from click.testing import CliRunner, Result
 from snhc.conformance.cli import check as check_verb
 from snhc.conformance.cli import snhc
 from snhc.reference_impl.bitstream.findings import SEVERITIES
-from snhc.reference_impl.model.face_definition import fdp_text, parse_face_definition_json
-from snhc.reference_impl.model.head import head_definition
+from snhc.reference_impl.interpolation.fit import load_fit
+from snhc.reference_impl.interpolation.fit_text import fit_text
+from snhc.reference_impl.model.face_definition import fdp_text, feature_points, parse_face_definition_json
+from snhc.reference_impl.model.fat import FatDocument, fat_from_json
+from snhc.reference_impl.model.fat_text import fat_text
+from snhc.reference_impl.model.head import head_definition, load_head
 
 SAMPLES = Path(__file__).parents[1] / "fixtures" / "samples"
 STREAM = bytes.fromhex("000001bab19001960002492c921f97ffcbf97ffcbf37ff9bf37ff9befa128c9f1c4cfca00ae5000001b1")
@@ -269,6 +273,61 @@ def test_streams_texts_and_tables(table: Path) -> None:
     mask = " ".join("1" if fap == 3 else "0" for fap in range(1, 69))
     fap = f"2.1 test 25 1\n{mask}\n0 -4\n"
     assert check(fap).exit_code == 0
+
+
+def fdp_node(definition: dict[str, Any], document: FatDocument) -> str:
+    """The model as one FDP node, whose 84 points give the units."""
+    points = definition["points"]
+    numbers = " ".join(str(c) for row in feature_points() for c in points[row.point]["position"])
+    scene, _, tables = fat_text(document).partition("FaceDefTables")
+    return (
+        f"#VRML V2.0 utf8\nDEF HEAD FDP {{\n featurePointsCoord Coordinate {{ point [ {numbers} ] }}\n"
+        f" faceSceneGraph [ {scene} ]\n faceDefTables [ FaceDefTables{tables} ]\n}}\n"
+    )
+
+
+def test_node_texts(table: Path, tmp_path: Path) -> None:
+    fit = "# a table\n" + fit_text(load_fit(table), "T")
+    assert fit.splitlines()[1] == "DEF T FIT {"
+    assert (check(fit).exit_code, check(fit).stdout) == (0, "")
+    found = check(fit.replace("FAPs [ 3", "FAPs [ 70"), "--json-errors")
+    assert (found.exit_code, json.loads(found.stderr)["path"], json.loads(found.stderr)["line"]) == (4, "FAPs[0]", 3)
+    assert json.loads(check(fit, "--limit", "fit_sets=1", "--json-errors").stderr)["class"] == "ResourceLimit"
+
+    model = fdp_node(head_definition(), fat_from_json(load_head()))
+    assert (check(model).exit_code, check(model).stdout) == (0, "")
+    found = check(model.replace("intervalBorders [ -1800 1800 ]", "intervalBorders [ 1800 -1800 ]", 1), "--json-errors")
+    assert (found.exit_code, json.loads(found.stderr)["rule"]) == (4, "FAT-11")
+    path = tmp_path / "head.wrl"
+    path.write_text(model)
+    frames = HEADER + frame_line(0, fap31=120)
+    assert rows(run("fat", path, "-", stdin=frames).stdout) == rows(run("fat", "head", "-", stdin=frames).stdout)
+
+
+def test_a_face_set_that_is_meant_by_its_group_is_told() -> None:
+    text = (
+        "DEF S Group { children Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0 ] } } } }\n"
+        "FaceDefTables { fapID 48 faceDefMesh FaceDefMesh { faceSceneGraphNode USE S intervalBorders [ 0 1 ] "
+        "coordIndex 0 displacements [ 1 0 0 ] } }\n"
+    )
+    assert [(row["id"], row["line"]) for row in rows(check(text).stdout)] == [("face-set-indirect", 2)]
+
+
+@pytest.mark.parametrize(
+    "text", ["Group {}", "InitialObjectDescriptor { objectDescriptorID 1 }", "FIT { FAPs [", "DEF X"]
+)
+def test_other_texts_are_not_taken(text: str) -> None:
+    found = check(text + "\n", "--json-errors")
+    assert (found.exit_code, json.loads(found.stderr)["class"]) == (3, "InputFormat")
+
+
+def test_units_from_a_file_beside_the_model(tmp_path: Path) -> None:
+    (tmp_path / "face.json").write_text(json.dumps(head_definition()))
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps({**load_head(), "fapu": {"face": "face.json"}}))
+    assert run("check", path).exit_code == 0
+    # Standard input stands beside nothing.
+    assert check(path.read_text()).exit_code == 3
 
 
 def test_negative_values_of_unidirectional_faps_where_they_are_sent(tmp_path: Path) -> None:
