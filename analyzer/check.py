@@ -29,10 +29,10 @@ from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_planes
 
 if TYPE_CHECKING:
+    from snhc.reference_impl.interpolation.fit import FitReadings
     from snhc.reference_impl.tables import ProfileLevel
 
     from .profiles import LevelReport
-    from snhc.reference_impl.interpolation.fit import FitReadings
 
 Report = Callable[[Finding], None]
 _OUTSIDE: Final = "profile-tool"
