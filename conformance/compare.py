@@ -58,6 +58,12 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
         return Verdict("timeout", f"no end after {outcome.seconds:.1f} s")
     if outcome.stopped == "output":
         return Verdict("error", f"more than {len(outcome.stdout)} bytes of output")
+    if outcome.stopped == "memory":
+        return Verdict("crash", f"more memory than it may take ({outcome.peak or outcome.detail} bytes)")
+    if outcome.stopped == "warden":
+        return Verdict("crash", "it has killed the process that watched it")
+    if outcome.stopped == "unclaimed":
+        return Verdict("not_applicable", f"not claimed: {outcome.detail}")
     if outcome.stopped:
         return Verdict("error", outcome.detail)
     if outcome.code not in (0, REJECTED) or (outcome.code == REJECTED and _fell_over(outcome.stderr)):

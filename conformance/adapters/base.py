@@ -1,20 +1,32 @@
-"""What every adapter is: a decoder that can be asked, and what it did.
+"""What every adapter is: a decoder that can be asked, what it claims, and what it did.
 
-Rules: CNF-9, CNF-13, CNF-14.
+Rules: CNF-9, CNF-13, CNF-14, CNF-24.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Protocol, Self
 
-from snhc.vectors.manifest import DecodeOptions, Entry
+from snhc.reference_impl.bitstream.errors import ResourceLimit, SnhcError
+from snhc.vectors.decoding import decode_input
+from snhc.vectors.manifest import KINDS, DecodeOptions, Entry, Rejected
 
 FORMATS: Final = ("ndjson", "fap", "csv")
-OPTION_NAMES: Final = ("draft", "strict", "object", "limit")
+# How an option of the manifest is told to a decoder; `reading` is for CNF-24.
+OPTION_NAMES: Final = ("draft", "strict", "object", "limit", "reading")
 DEFAULT_TIMEOUT: Final = 10.0
 REJECTED: Final = 1
+# What `.fap` text and CSV can hold.
+_FACE_TOOLS: Final = frozenset({"fba", "dct-p1", "dctcoef"})
+
+
+class AdapterFault(SnhcError):
+    """An adapter file that is none, or an adapter that there is not. Rules: CNF-9, CNF-19."""
+
+    exit_code = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +34,9 @@ class Outcome:
     """What a decoder did with a vector.
 
     Rules: CNF-9, CNF-14. `code`: 0 accepted, 1 rejected, anything else (None: stopped) neither. `stopped`: "",
-    `timeout`, `output`, `start` (it could not be started). `detail`: why, in words.
+    `timeout`, `output`, `memory`, `warden` (what watched it was killed), `start` (it could not be started),
+    `protocol` (it does not keep to the messages), `unclaimed` (it cannot do it and has said so). `detail`: why, in
+    words. `readings`: those that it says it follows. `peak`: resident memory, bytes, 0 where it was not measured.
     """
 
     code: int | None
@@ -31,6 +45,8 @@ class Outcome:
     stopped: str = ""
     detail: str = ""
     seconds: float = 0.0
+    readings: Mapping[str, str] = field(default_factory=dict)
+    peak: int = 0
 
 
 class Adapter(Protocol):
@@ -42,14 +58,14 @@ class Adapter(Protocol):
 
     @property
     def format(self) -> str:
-        """One of FORMATS."""
+        """One of FORMATS: that of the last output."""
 
     @property
     def reproduce(self) -> str:
         """The words that name it on the command line of `snhc run`."""
 
     def lacks(self, entry: Entry) -> str:
-        """What a vector needs and the decoder does not claim, "" for nothing. Rules: CNF-13."""
+        """What a vector needs and the adapter file does not claim, "" for nothing. Rules: CNF-13."""
 
     def decode(self, entry: Entry, path: Path, aux: Path | None = None) -> Outcome:
         """Decode one vector. Rules: CNF-9. `aux`: its second file, None where it has one only."""
@@ -59,6 +75,62 @@ class Adapter(Protocol):
 
     def close(self) -> None:
         """End whatever still runs for it; it may be asked again. Rules: CNF-10, CNF-14."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """What a decoder says it can do. Rules: CNF-13, CNF-24.
+
+    `tools`: of the manifest's. `kinds`: of vectors: `valid`, `invalid`, `ambiguous`. `profiles`: None for any.
+    `limits`: its own, below those of CNF-22. `readings`: that it follows where the standard is ambiguous. `options`,
+    `formats`: names of OPTION_NAMES and FORMATS.
+    """
+
+    tools: frozenset[str] = frozenset({"fba"})
+    kinds: frozenset[str] = frozenset(KINDS)
+    profiles: frozenset[str] | None = None
+    limits: Mapping[str, int] = field(default_factory=dict)
+    readings: Mapping[str, str] = field(default_factory=dict)
+    options: frozenset[str] = frozenset()
+    formats: tuple[str, ...] = ("ndjson",)
+
+    def lacks(self, entry: Entry) -> str:
+        """What a vector needs and is not claimed, "" for nothing. Rules: CNF-13. Not looked at: limits."""
+        missing = [tool for tool in entry.tools if tool not in self.tools]
+        if entry.kind not in self.kinds:
+            missing.append(f"{entry.kind} vectors")
+        if entry.profile is not None and self.profiles is not None and entry.profile not in self.profiles:
+            missing.append(f"profile {entry.profile}")
+        if "ndjson" not in self.formats and not _FACE_TOOLS.issuperset(entry.tools):
+            missing.append("format ndjson")
+        missing += [f"option {name}" for name, _ in needed(entry.options) if name not in self.options]
+        return ", ".join(missing)
+
+    def exceeded(self, entry: Entry, path: Path, aux: Path | None) -> str:
+        """The claimed limit that a vector goes beyond, "" for none. Rules: CNF-13, CNF-22.
+
+        What a vector needs is found by decoding it under these limits.
+        """
+        if not self.limits or (isinstance(entry.expect, Rejected) and entry.expect.error_class == "ResourceLimit"):
+            return ""
+        lower = {**self.limits, **entry.options.limits}
+        options = DecodeOptions(entry.options.draft, entry.options.strict, entry.options.object_number, lower)
+        second = None if aux is None else aux.read_bytes()
+        error = decode_input(entry.media, path.read_bytes(), second, options.for_decoder()).error
+        return f"limit: {error.message}" if isinstance(error, ResourceLimit) else ""
+
+    def narrowed(self, other: Claims) -> Claims:
+        """What both claim; readings are those of `other` where it names them. Rules: CNF-13."""
+        profiles = self.profiles
+        if other.profiles is not None:
+            profiles = other.profiles if profiles is None else profiles & other.profiles
+        limits = dict(self.limits)
+        for name, value in other.limits.items():
+            limits[name] = min(value, limits.get(name, value))
+        return Claims(
+            self.tools & other.tools, self.kinds & other.kinds, profiles, limits, {**self.readings, **other.readings},
+            self.options & other.options, tuple(name for name in self.formats if name in other.formats),
+        )  # fmt: skip
 
 
 def needed(options: DecodeOptions) -> list[tuple[str, dict[str, str]]]:

@@ -17,7 +17,7 @@ _FORMATS = {".json": "json", ".txt": "terminal"}
 
 
 @click.command()
-@click.argument("adapter", nargs=-1, type=click.Path(path_type=Path), metavar="[ADAPTER.toml]...")
+@click.argument("adapter", nargs=-1, metavar="[ADAPTER]...")
 @click.option(
     "--adapter-command", metavar="COMMAND", multiple=True,
     help="A decoder as a command line; {input} stands for the vector's path, without it the vector is standard input.",
@@ -41,7 +41,7 @@ _FORMATS = {".json": "json", ".txt": "terminal"}
 )
 @common_options(reads=False)
 def command(
-    adapter: tuple[Path, ...],
+    adapter: tuple[str, ...],
     adapter_command: tuple[str, ...],
     adapter_format: str,
     timeout: float | None,
@@ -53,11 +53,14 @@ def command(
 ) -> None:
     """Run decoders against the suite.
 
+    ADAPTER: a TOML file that says how a decoder is asked, decoder:NAME for an installed Python decoder (entry point of
+    the group snhc.decoders), or snhc for the built-in reference decoder.
+
     Without an adapter the built-in reference decoder is validated. Fields of --filter: id (the default), tier, kind,
     rule, feature, class, tool; globs, | between alternatives, ! before a term that must not hold.
 
-    Exit codes: 0 every decoder passes, 1 one fails (an empty run fails), 2 usage, 3 a file cannot be read, 5 nothing
-    but the adapters is at fault.
+    Exit codes: 0 every decoder passes, 1 one fails (an empty run fails), 2 usage, 3 a file cannot be read, 5 an adapter
+    file is wrong, or nothing but the adapters is at fault.
     """
     from snhc.conformance import adapters as kinds
     from snhc.conformance import report as reports
@@ -71,7 +74,7 @@ def command(
         select = selector(expression)
     except InputFormat as error:
         raise click.BadParameter(error.message, param_hint="--filter") from error
-    foreign: list[kinds.Adapter] = [kinds.load(path) for path in adapter]
+    foreign: list[kinds.Adapter] = [kinds.find(word) for word in adapter]
     foreign += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
     if timeout is not None:
         foreign = [one.timed(timeout) for one in foreign]

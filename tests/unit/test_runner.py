@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 from snhc.conformance import process
-from snhc.conformance.adapters import BuiltIn, OneShot, Outcome, from_command, load
+from snhc.conformance.adapters import AdapterFault, BuiltIn, OneShot, Outcome, from_command, load
 from snhc.conformance.candidate import Malformed, ndjson
 from snhc.conformance.cli.generate import command as generate_command
 from snhc.conformance.cli.run import command as run_command
@@ -416,14 +416,14 @@ def test_an_adapter_file(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_adapter_files_that_are_wrong(tmp_path: Path, text: str) -> None:
-    with pytest.raises(InputFormat):
+    with pytest.raises(AdapterFault):
         load(_toml(tmp_path, text))
 
 
 def test_a_command_line_is_split_as_a_shell_would() -> None:
     assert from_command("'my decoder' --in {input}").command == ("my decoder", "--in", "{input}")
     for text in ("", "'open"):
-        with pytest.raises(InputFormat):
+        with pytest.raises(AdapterFault):
             from_command(text)
 
 
