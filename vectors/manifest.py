@@ -22,8 +22,9 @@ from snhc.reference_impl.systems.stream import Options
 FORMAT: Final = "snhc-manifest"
 VERSION: Final = 1
 SCHEMA_FILE: Final = Path(__file__).parent / "manifest.schema.json"
-SUITE: Final = Path(__file__).parent / "suite"
 MANIFEST_NAME: Final = "manifest.json"
+# An editable install is a tree of links: the suite is where they lead, so that new files come to stand there too.
+SUITE: Final = (Path(__file__).parent / "suite" / MANIFEST_NAME).resolve().parent
 TIERS: Final = ("syntax", "semantic", "stress", "error", "real", "profile")
 KINDS: Final = ("valid", "invalid", "ambiguous")
 REJECT: Final = "reject"

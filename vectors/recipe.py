@@ -131,7 +131,7 @@ _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
     "truncation", "ambiguity", "mesh", "mesh_errors", "dct", "dct_errors", "dct_coefficients", "fit", "fit_errors",
-    "fat", "fat_errors", "fapu",
+    "fat", "fat_errors", "fapu", "real",
 )  # fmt: skip
 
 T = TypeVar("T")

@@ -18,7 +18,7 @@ from typing import Final, final
 from snhc.reference_impl.face.dct_transform import round_half_away
 from snhc.reference_impl.face.fap_text import FapFile, FapTextFrame
 
-from .seeded import Seeded
+from .movers import ANGLES, Draw, Eyes, Head, smooth
 
 # Lips and jaw of the 15 visemes of the standard's list: jaw (FAP 3), upper lip up, lower lip down (of the mouth's
 # parting beyond the jaw's), corners outward, corners up, lips forward, and how strongly the viseme insists on it.
@@ -74,115 +74,12 @@ _EXPRESSIONS: Final[tuple[Mapping[int, float], ...]] = (
 
 
 @final
-class _Spring:
-    """A critically damped spring: follows a target without overshoot."""
-
-    __slots__ = ("_speed", "_stiffness", "target", "value")
-
-    def __init__(self, stiffness: float) -> None:
-        self._stiffness = stiffness
-        self._speed = 0.0
-        self.value = 0.0
-        self.target = 0.0
-
-    def step(self, seconds: float) -> float:
-        pull = self._stiffness * self._stiffness * (self.target - self.value) - 2.0 * self._stiffness * self._speed
-        self._speed = self._speed + pull * seconds
-        self.value = self.value + self._speed * seconds
-        return self.value
-
-
-@final
-class _Draw:
-    """Numbers of a seed, as the sequences want them."""
-
-    __slots__ = ("_seeded",)
-
-    def __init__(self, seed: int) -> None:
-        self._seeded = Seeded(seed)
-
-    def among(self, lo: int, hi: int) -> int:
-        return self._seeded.between(lo, hi)
-
-    def between(self, lo: float, hi: float) -> float:
-        """One of 4,097 equally spaced numbers."""
-        return lo + (hi - lo) * self._seeded.between(0, 4096) / 4096.0
-
-    def one_of(self, choices: tuple[int, ...]) -> int:
-        return choices[self._seeded.between(0, len(choices) - 1)]
-
-
-def _smooth(x: float) -> float:
-    """0 to 1 for x = 0 to 1, with level ends."""
-    if x <= 0.0:
-        return 0.0
-    if x >= 1.0:
-        return 1.0
-    return x * x * (3.0 - 2.0 * x)
-
-
-@final
-class _Eyes:
-    """Blinks, jumps of gaze."""
-
-    __slots__ = ("_blink", "_draw", "_jump", "_pitch", "_pitch_target", "_yaw", "_yaw_target")
-
-    def __init__(self, draw: _Draw) -> None:
-        self._draw = draw
-        self._blink = draw.between(0.5, 3.0)
-        self._jump = draw.between(0.3, 1.5)
-        self._yaw = self._pitch = self._yaw_target = self._pitch_target = 0.0
-
-    def add(self, now: float, values: dict[int, float]) -> None:
-        if now > self._blink + 0.3:
-            self._blink = now + self._draw.between(1.5, 6.0)
-        since = now - self._blink
-        closed = _smooth(since / 0.08) * (1.0 - _smooth((since - 0.1) / 0.18))
-        if now > self._jump:
-            self._jump = now + self._draw.between(0.4, 2.5)
-            self._yaw_target = self._draw.between(-9_000.0, 9_000.0)
-            self._pitch_target = self._draw.between(-5_000.0, 5_000.0)
-        # A jump takes two or three frames.
-        self._yaw = self._yaw + 0.7 * (self._yaw_target - self._yaw)
-        self._pitch = self._pitch + 0.7 * (self._pitch_target - self._pitch)
-        for fap, share in ((19, 1.0), (20, 0.98), (21, 0.12), (22, 0.12)):
-            values[fap] = values.get(fap, 0.0) + share * 960.0 * closed
-        for fap, value in ((23, self._yaw), (24, self._yaw), (25, self._pitch), (26, self._pitch)):
-            values[fap] = value
-
-
-@final
-class _Head:
-    """Head and brows, which follow phrases."""
-
-    __slots__ = ("_brows", "_draw", "_next", "_turns")
-
-    def __init__(self, draw: _Draw) -> None:
-        self._draw = draw
-        self._turns = (_Spring(5.0), _Spring(4.0), _Spring(3.0))
-        self._brows = _Spring(9.0)
-        self._next = 0.0
-
-    def add(self, now: float, seconds: float, values: dict[int, float]) -> None:
-        if now >= self._next:
-            self._next = now + self._draw.between(0.4, 1.6)
-            for spring, size in zip(self._turns, (5_000.0, 8_000.0, 3_000.0), strict=True):
-                spring.target = self._draw.between(-size, size)
-            self._brows.target = self._draw.between(0.0, 130.0) if self._draw.among(0, 2) == 0 else 0.0
-        for fap, spring in zip((48, 49, 50), self._turns, strict=True):
-            values[fap] = values.get(fap, 0.0) + spring.step(seconds)
-        raised = self._brows.step(seconds)
-        for fap, share in ((31, 0.8), (32, 0.78), (33, 1.0), (34, 0.98), (35, 0.7), (36, 0.68)):
-            values[fap] = values.get(fap, 0.0) + share * raised
-
-
-@final
 class _Mouth:
     """Visemes, one after the other, and what the mouth makes of them."""
 
     __slots__ = ("_draw", "_end", "_left", "_spoken")
 
-    def __init__(self, draw: _Draw) -> None:
+    def __init__(self, draw: Draw) -> None:
         self._draw = draw
         self._spoken: list[tuple[float, float, float, int]] = []  # centre, width, force, viseme
         self._end = 0.3
@@ -234,8 +131,8 @@ def speech(frames: int, seed: int = 1, *, rate: int = 30, noise: int = 2) -> Fap
 
     `frames`: 1 or more. `rate`: per second, 1..255. `noise`: 0 or more, in FAP units (angles: 30 times as much).
     """
-    draw = _Draw(seed)
-    mouth, eyes, head = _Mouth(draw), _Eyes(draw), _Head(draw)
+    draw = Draw(seed)
+    mouth, eyes, head = _Mouth(draw), Eyes(draw), Head(draw)
     seconds = 1.0 / rate
     out = []
     for number in range(frames):
@@ -253,8 +150,8 @@ def expressions(frames: int, seed: int = 1, *, rate: int = 25, noise: int = 2) -
 
     Arguments as `speech`.
     """
-    draw = _Draw(seed)
-    eyes, head = _Eyes(draw), _Head(draw)
+    draw = Draw(seed)
+    eyes, head = Eyes(draw), Head(draw)
     seconds = 1.0 / rate
     # (start, onset, hold, relax, size, which): the shown ones.
     shown: list[tuple[float, float, float, float, float, int]] = []
@@ -272,7 +169,7 @@ def expressions(frames: int, seed: int = 1, *, rate: int = 25, noise: int = 2) -
         shown = [one for one in shown if now < one[0] + one[1] + one[2] + one[3]]
         values: dict[int, float] = dict.fromkeys(faps, 0.0)
         for start, onset, hold, relax, size, expression in shown:
-            amount = size * _smooth((now - start) / onset) * (1.0 - _smooth((now - start - onset - hold) / relax))
+            amount = size * smooth((now - start) / onset) * (1.0 - smooth((now - start - onset - hold) / relax))
             for fap, target in _EXPRESSIONS[expression].items():
                 values[fap] = values[fap] + amount * target
         eyes.add(now, values)
@@ -281,16 +178,13 @@ def expressions(frames: int, seed: int = 1, *, rate: int = 25, noise: int = 2) -
     return _file(f"expressions-{seed}", out, rate, noise, draw)
 
 
-_ANGLES: Final = frozenset((23, 24, 25, 26, 48, 49, 50))
-
-
-def _file(name: str, frames: list[dict[int, float]], rate: int, noise: int, draw: _Draw) -> FapFile:
+def _file(name: str, frames: list[dict[int, float]], rate: int, noise: int, draw: Draw) -> FapFile:
     file = FapFile(name=name, frame_rate=Fraction(rate), nframes=len(frames))
     for number, values in enumerate(frames):
         whole: list[int | None] = [None] * 68
         mask = [0] * 68
         for fap in sorted(values):
-            error = draw.among(-noise, noise) * (30 if fap in _ANGLES else 1)
+            error = draw.among(-noise, noise) * (30 if fap in ANGLES else 1)
             whole[fap - 1] = round_half_away(values[fap]) + error
             mask[fap - 1] = 1
         file.frames.append(FapTextFrame(number, tuple(mask), whole))
