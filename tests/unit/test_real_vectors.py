@@ -106,11 +106,7 @@ def test_a_head_moves_as_one_and_speaks(seed: int) -> None:
     # The mouth: from the middle of the upper lip to that of the lower.
     opened = [nodes[-2][1] - nodes[-3][1] for nodes in frames]
     assert 8 < max(opened) - min(opened) < 30
-    steps = [
-        abs(a[0] - b[0]) + abs(a[1] - b[1])
-        for f, g in pairwise(frames)
-        for a, b in zip(f, g, strict=True)
-    ]
+    steps = [abs(a[0] - b[0]) + abs(a[1] - b[1]) for f, g in pairwise(frames) for a, b in zip(f, g, strict=True)]
     assert max(steps) < 40
 
 
