@@ -27,7 +27,7 @@ from snhc.reference_impl.model.fat_document import FatDocument, FloatArray
 from snhc.reference_impl.model.fat_json import definition_reader, fat_from_json
 from snhc.reference_impl.model.fat_text import parse_fat_text
 from snhc.reference_impl.model.feature_motion import Pose, high_level_faps
-from snhc.reference_impl.model.head import head_poses, load_head
+from snhc.reference_impl.model.head import HEAD_ORDER, head_poses, load_head
 from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
 
 Colours = NDArray[np.uint8]
@@ -61,6 +61,11 @@ class _Posed:
     expression: Sequence[int] | None = None
 
 
+def head_order(readings: Readings = DEFAULT_READINGS) -> str:
+    """The order of the shipped head's rotations as it was chosen. Rules: CNF-24 (AMB-FAC-2)."""
+    return readings.chosen.get("AMB-FAC-2", HEAD_ORDER)
+
+
 def fat_readings(readings: Readings = DEFAULT_READINGS) -> FatReadings:
     """The readings of the FAT rules as they were chosen. Rules: CNF-24 (AMB-FAT-1, AMB-FAT-2, AMB-FAT-3)."""
     get = readings.chosen.get
@@ -71,14 +76,16 @@ def load_model(
     name: str | None = None,
     limits: Limits = DEFAULT_LIMITS,
     on_finding: Callable[[Finding], None] | None = None,
+    readings: Readings = DEFAULT_READINGS,
 ) -> FaceModel:
     """A model: the shipped head (None or `head`), or a file of either FAT form, told apart by content.
 
-    Rules: FAC-10, FAT-1, FAT-11, CNF-2, CNF-22. In a JSON document the keys `palette` ({name: [r, g, b]}) and `colors`
+    Rules: FAC-5, FAC-10, FAT-1, FAT-11, CNF-2, CNF-22. `readings`: AMB-FAC-2 is followed by the shipped head; other
+    models turn as their nodes say. In a JSON document the keys `palette` ({name: [r, g, b]}) and `colors`
     ({mesh: one palette number per face}) may give colours. Raises as `read_model`, OSError.
     """
     if name is None or name == HEAD:
-        return _shipped()
+        return _shipped(head_order(readings))
     path = Path(name)
     with path.open("rb") as file:
         data = file.read(limits.json_bytes + 1)
@@ -115,8 +122,8 @@ def model_from_json(
     return FaceModel(document, _colours(document, root), {}, {})
 
 
-def _shipped() -> FaceModel:
-    root = load_head()
+def _shipped(order: str) -> FaceModel:
+    root = load_head(order)
     document = fat_from_json(root)
     visemes, expressions = head_poses()
     return FaceModel(document, _colours(document, root), visemes, expressions, _MILLIMETRE)
@@ -182,8 +189,7 @@ def exact_vertices(model: FaceModel, frame: FrameLike, readings: FatReadings = F
 class FaceScene:
     """A model made ready for many frames.
 
-    Rules: FAC-5, FAC-6, FAT-2..9. Head and eyes turn as the Transform nodes of the model say (AMB-FAC-2: the shipped
-    head yaws, then pitches, then rolls, about 7.1).
+    Rules: FAC-5, FAC-6, FAT-2..9. Head and eyes turn as the Transform nodes of the model say.
     """
 
     def __init__(self, model: FaceModel, readings: FatReadings = FOLLOWED) -> None:

@@ -134,7 +134,7 @@ def _decode(file: str, chosen: str, nframes: int | None, object_number: int, com
             from snhc.analyzer.face_lines import VertexWriter
             from snhc.analyzer.face_scene import load_model
 
-            loaded = load_model(faces.model, common.limits, common.report)
+            loaded = load_model(faces.model, common.limits, common.report, common.readings)
             return VertexWriter(write, loaded, nframes, common.readings)
         return frame_writer(
             chosen,

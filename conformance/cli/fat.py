@@ -24,7 +24,7 @@ def command(table: str, frames: str, common: Common) -> None:
     from snhc.analyzer.face_scene import load_model
 
     with Output(common.output, common.keep_partial, prompt=frames == "-") as out:
-        model = load_model(table, common.limits, common.report)
+        model = load_model(table, common.limits, common.report, common.readings)
         with open_binary(frames) as stream:
             for line in mesh_lines(stream, model, common.readings, common.limits):
                 out.write(line)

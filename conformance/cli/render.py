@@ -170,7 +170,7 @@ def _faces(
         if chosen != "glb":
             import PIL  # noqa: F401 (asked for here, so that its absence is told before anything is drawn)
     drawing = Drawing(look.size, look.view, look.software, fat_readings(common.readings))
-    model = load_model(look.model, common.limits, common.report)
+    model = load_model(look.model, common.limits, common.report, common.readings)
     picked = pick_frames(frames, wanted, common.limits)
     if interactive:
         with needs_view("render"):

@@ -14,10 +14,16 @@ from snhc.conformance.cli import snhc
 from snhc.reference_impl.bitstream.findings import SEVERITIES
 from snhc.reference_impl.interpolation.fit import load_fit
 from snhc.reference_impl.interpolation.fit_text import fit_text
-from snhc.reference_impl.model.face_definition import fdp_text, feature_points, parse_face_definition_json
+from snhc.reference_impl.model.face_definition import (
+    face_definition_from_json,
+    fdp_text,
+    feature_points,
+    parse_face_definition_json,
+)
 from snhc.reference_impl.model.fat import FatDocument, fat_from_json
 from snhc.reference_impl.model.fat_text import fat_text
-from snhc.reference_impl.model.head import head_definition, load_head
+from snhc.reference_impl.model.feature_motion import feature_motion
+from snhc.reference_impl.model.head import feature_vertices, head_definition, load_head
 
 SAMPLES = Path(__file__).parents[1] / "fixtures" / "samples"
 STREAM = bytes.fromhex("000001bab19001960002492c921f97ffcbf97ffcbf37ff9bf37ff9befa128c9f1c4cfca00ae5000001b1")
@@ -226,6 +232,30 @@ def test_faults_of_decode(stream: Path, table: Path, tmp_path: Path) -> None:
     for args in (("--fit", table), ("--vertices", "head")):
         assert run("decode", mesh, *args, "--quiet").exit_code == 4
         assert run("decode", mesh, *args, "--quiet").stdout == ""
+
+
+@pytest.mark.parametrize("order", ["pitch-yaw-roll", "roll-pitch-yaw"])
+def test_the_order_of_the_heads_rotations_can_be_chosen(order: str, tmp_path: Path) -> None:
+    turns = {48: 12_240, 49: 20_400, 50: -8_160}
+    path = tmp_path / "s.fba"
+    mask = " ".join("1" if fap in turns else "0" for fap in range(1, 69))
+    text = f"2.1 test 25 1\n{mask}\n0 {' '.join(map(str, turns.values()))}\n"
+    assert run("encode", "-", "--quant", "4", "-o", path, stdin=text).exit_code == 0
+    faps = rows(run("decode", path, "--quiet").stdout)[1]["faps"]
+    assert all(faps[fap - 1] for fap in turns)
+    chosen = ("--reading", f"AMB-FAC-2={order}")
+    found = rows(run("decode", path, "--vertices", "head", "--quiet", *chosen).stdout)
+    assert found[0]["readings"] == {"AMB-FAC-2": order}
+    followed = rows(run("decode", path, "--vertices", "head", "--quiet").stdout)
+    for lines, name in ((found, order), (followed, "yaw-pitch-roll")):
+        want = feature_motion(face_definition_from_json(head_definition()), faps, order=name).points
+        for point, (mesh, vertex) in feature_vertices().items():
+            assert lines[1]["meshes"][mesh][vertex] == pytest.approx(want[point], abs=1e-6), (name, point)
+    assert found[1]["meshes"]["skin"] != followed[1]["meshes"]["skin"]
+    pictures = [tmp_path / "a.glb", tmp_path / "b.glb", tmp_path / "c.png", tmp_path / "d.png"]
+    for picture, extra in zip(pictures, ((), chosen, (), chosen), strict=True):
+        assert run("render", path, "--software", "--size", "60x72", "-o", picture, *extra).exit_code == 0
+    assert len({picture.read_bytes() for picture in pictures}) == 4
 
 
 # -- check -------------------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from snhc.reference_impl.model.fapu import UNITS_PER_DISTANCE
 from snhc.reference_impl.model.fat import evaluate, fat_from_json
 
-from . import HEAD_FILE, head_poses
+from . import HEAD_FILE, head_nodes, head_poses
 from .face import face_moves
 from .mouth import mouth_moves
 from .moves import Model, Move
@@ -196,12 +196,7 @@ def _units(face: dict[str, Any]) -> dict[str, float]:
 
 
 def _nodes(face: dict[str, Any], meshes: list[str]) -> dict[str, Any]:
-    # Yaw outside, roll inside (AMB-FAC-2): one node per axis, as in figure 4 of the paper.
-    nodes: dict[str, Any] = {
-        "head_yaw": {},
-        "head_pitch": {"parent": "head_yaw"},
-        "head_roll": {"parent": "head_pitch", "meshes": [m for m in meshes if m not in _EYES]},
-    }
+    nodes = head_nodes([m for m in meshes if m not in _EYES])
     for side in ("left", "right"):
         nodes[f"{side}_eye_yaw"] = {"parent": "head_roll", "translation": face["eye_centers"][side]}
         nodes[f"{side}_eye_pitch"] = {"parent": f"{side}_eye_yaw", "meshes": [f"{side}_eye"]}
