@@ -23,6 +23,7 @@ VERBS: Final = {
     "fat": "Move a model by its face animation tables.",
     "dct": "Decode quantised DCT coefficients to frames.",
     "check": "Print the findings of an input.",
+    "diff": "Show what differs between two streams or decodes.",
     "stats": "Sum up a stream: planes, rates, bits, masks, ranges.",
     "plot": "Plot the FAP curves and bit rates of a stream.",
     "dump": "Show what every bit of a stream is.",

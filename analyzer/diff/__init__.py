@@ -1,0 +1,1 @@
+"""What differs between two streams: element by element, and value by value."""
