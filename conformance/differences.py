@@ -44,6 +44,13 @@ class Difference:
     reference: Any
     candidate: Any
 
+    def as_json(self) -> dict[str, Any]:
+        """The report's `difference`."""
+        return {
+            "frame": self.frame, "what": self.what, "fap": self.fap, "reference": self.reference,
+            "candidate": self.candidate,
+        }  # fmt: skip
+
     def __str__(self) -> str:
         place = f"frame {self.frame}, {self.what if self.fap is None else f'FAP {self.fap} ({self.what})'}"
         return f"{place}: reference {self.reference}, candidate {self.candidate}"

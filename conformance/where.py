@@ -5,6 +5,7 @@ Rules: CNF-17 (plane, element, bit span, rule). Not here: a second trace, symbol
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,6 +38,15 @@ class Location:
         if self.bits is not None:
             out |= {"element": self.element, "path": self.path, "bits": list(self.bits), "rule": self.rule}
         return out
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Location:
+        """A report's `location`."""
+        bits = data.get("bits")
+        return cls(
+            data["plane"], (data["plane_bits"][0], data["plane_bits"][1]), data.get("element", ""),
+            data.get("path", ""), None if bits is None else (bits[0], bits[1]), data.get("rule", ""),
+        )  # fmt: skip
 
     def __str__(self) -> str:
         text = f"plane[{self.plane}] at bits [{self.plane_bits[0]}, {self.plane_bits[1]})"
