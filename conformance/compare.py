@@ -69,14 +69,14 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
     if outcome.code not in (0, REJECTED) or (outcome.code == REJECTED and _fell_over(outcome.stderr)):
         return Verdict("crash", _crash(outcome))
     try:
-        said = _said(outcome.stderr)
-        if outcome.code == REJECTED and said.get("class") == "Unsupported":
+        line = said(outcome.stderr)
+        if outcome.code == REJECTED and line.get("class") == "Unsupported":
             return Verdict("not_applicable", "the decoder says Unsupported")
         if entry.readings:
-            return _ambiguous(entry, outcome, said, suite, format)
+            return _ambiguous(entry, outcome, line, suite, format)
         if isinstance(entry.expect, Rejected):
-            return _rejected(entry, entry.expect, outcome, said, suite, format)
-        return _accepted(entry, entry.expect, outcome, said, suite, format, Readings())
+            return _rejected(entry, entry.expect, outcome, line, suite, format)
+        return _accepted(entry, entry.expect, outcome, line, suite, format, Readings())
     except Malformed as error:
         return Verdict("error", str(error))
 
@@ -96,8 +96,8 @@ def _crash(outcome: Outcome) -> str:
     return f"{how}: {tail[-1][:200]}" if tail else how
 
 
-def _said(stderr: bytes) -> dict[str, Any]:
-    """The JSON line of CNF-9: the last one on standard error with a class or a place."""
+def said(stderr: bytes) -> dict[str, Any]:
+    """The JSON line on standard error: the last one with a class or a place, {} for none. Rules: CNF-9."""
     for line in reversed(stderr.decode("utf-8", "replace").splitlines()):
         if not line.lstrip().startswith("{"):
             continue
@@ -250,8 +250,8 @@ def _rejected(
 def _elsewhere(expect: Rejected, said: Mapping[str, Any]) -> str:
     """The place that a decoder names, if it is not that of the manifest; "" if it is, or if none is named."""
     if expect.bits is not None:
-        span = _span(said)
-        return f"bits {list(span)}" if span is not None and not overlap(span, expect.bits) else ""
+        found = span(said)
+        return f"bits {list(found)}" if found is not None and not overlap(found, expect.bits) else ""
     path, line = said.get("path"), said.get("line")
     if path is not None and not isinstance(path, str):
         raise Malformed(f"path is {path!r}, not a text")
@@ -268,7 +268,8 @@ def related(a: str, b: str) -> bool:
     return all(x == y for x, y in zip(*steps, strict=False))
 
 
-def _span(said: Mapping[str, Any]) -> tuple[int, int] | None:
+def span(said: Mapping[str, Any]) -> tuple[int, int] | None:
+    """The bits that a JSON line names, None for none. Rules: CNF-9, CNF-21. Raises Malformed."""
     bits = said.get("bits")
     if bits is not None:
         if not (isinstance(bits, list) and len(bits) == 2 and all(type(bit) is int for bit in bits)):

@@ -44,9 +44,9 @@ class Known:
 class Result:
     """One vector with one decoder.
 
-    Rules: CNF-15, CNF-17. `reproduce`: the command that does it again. `expected`, `got`: what the manifest demands of
-    a rejection and what the decoder said, empty where neither is at stake. `evidence`: what a report shows of a
-    failure (`where.evidence`), empty for others. `known`: its entry of the ledger.
+    Rules: CNF-15, CNF-17. `file`: the input, in the suite. `reproduce`: the command that does it again. `expected`,
+    `got`: what the manifest demands of a rejection and what the decoder said, empty where neither is at stake.
+    `evidence`: what a report shows of a failure (`where.examine`), empty for others. `known`: its entry of the ledger.
     """
 
     adapter: str
@@ -54,6 +54,7 @@ class Result:
     title: str
     tier: str
     kind: str
+    file: str
     tools: tuple[str, ...]
     rules: tuple[str, ...]
     status: str
@@ -77,8 +78,9 @@ class Result:
         """The report's result."""
         out: dict[str, Any] = {
             "adapter": self.adapter, "vector": self.vector, "title": self.title, "tier": self.tier,
-            "kind": self.kind, "tools": list(self.tools), "rules": list(self.rules), "status": self.status,
-            "reason": self.reason, "seconds": round(self.seconds, 6), "reproduce": self.reproduce,
+            "kind": self.kind, "file": self.file, "tools": list(self.tools), "rules": list(self.rules),
+            "status": self.status, "reason": self.reason, "seconds": round(self.seconds, 6),
+            "reproduce": self.reproduce,
         }  # fmt: skip
         if self.reading:
             out["reading"] = self.reading
@@ -98,8 +100,9 @@ class Result:
         """A result of a report that fits the schema."""
         difference, location, known = data.get("difference"), data.get("location"), data.get("known")
         return cls(
-            data["adapter"], data["vector"], data["title"], data["tier"], data["kind"], tuple(data["tools"]),
-            tuple(data["rules"]), data["status"], data["reason"], data.get("reading", ""), data["seconds"],
+            data["adapter"], data["vector"], data["title"], data["tier"], data["kind"], data["file"],
+            tuple(data["tools"]), tuple(data["rules"]), data["status"], data["reason"],
+            data.get("reading", ""), data["seconds"],
             None if difference is None else Difference(**difference),
             None if location is None else Location.from_json(location),
             data["reproduce"], data.get("expected", {}), data.get("got", {}), data.get("evidence", {}),
@@ -138,7 +141,8 @@ class Report:
     """A whole run, a shard of one, or several of them joined.
 
     Rules: CNF-15, CNF-19, CNF-20. `suite`: its version; `digest`: sha256 of its manifest; `filter`: as given;
-    `adapters`: names in order; `results`: by adapter, then by vector id. `shards`: by adapter, of those of which a
+    `adapters`: names in order; `results`: by adapter, then as in the manifest: by
+    vector id. `shards`: by adapter, of those of which a
     part has been run. `notes`: on the ledger.
     """
 

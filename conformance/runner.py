@@ -1,84 +1,33 @@
 """Running decoders over a suite.
 
-Rules: CNF-13, CNF-15, CNF-17, CNF-19, CNF-20 (local cores). Not here: ledger, shards, clusters, resuming.
+Rules: CNF-13, CNF-15, CNF-17, CNF-19, CNF-20. How cases are spread, and what keeps them, is in `running`; the ledger of
+known failures in `ledger`.
 """
 
 from __future__ import annotations
 
-import shlex
-from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import date
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 from snhc.reference_impl.bitstream.errors import InputFormat
-from snhc.vectors.manifest import SUITE, Accepted, Entry, Expect, Manifest
+from snhc.vectors.manifest import MANIFEST_NAME, SUITE, Accepted, Entry, Expect, Manifest
 
-from .adapters import Adapter, BuiltIn
-from .compare import BAD, Verdict, judge
-from .differences import Difference
-from .where import Location, locate
-
-GOOD = 0
-FAILURE = 1
-ADAPTER_FAULT = 5
-
-
-@dataclass(frozen=True, slots=True)
-class Result:
-    """One vector with one decoder. Rules: CNF-15, CNF-17. `reproduce`: the command that does it again."""
-
-    adapter: str
-    vector: str
-    title: str
-    tier: str
-    kind: str
-    rules: tuple[str, ...]
-    status: str
-    reason: str
-    reading: str
-    seconds: float
-    difference: Difference | None
-    location: Location | None
-    reproduce: str
-
-
-@dataclass(frozen=True, slots=True)
-class Report:
-    """A whole run. Rules: CNF-15, CNF-19. `suite`: its version; `adapters`: names in order; `filter`: as given."""
-
-    suite: str
-    filter: str
-    adapters: tuple[str, ...]
-    results: tuple[Result, ...]
-
-    def counts(self, adapter: str) -> dict[str, int]:
-        """Status -> number of vectors, of one decoder."""
-        return dict(Counter(result.status for result in self.results if result.adapter == adapter))
-
-    def passed(self, adapter: str) -> bool:
-        """Whether the verdict is pass: at least one pass, and nothing bad. Rules: CNF-15."""
-        counts = self.counts(adapter)
-        return counts.get("pass", 0) > 0 and not any(counts.get(status, 0) for status in BAD)
-
-    @property
-    def exit_code(self) -> int:
-        """0 where all pass; 5 where adapters are at fault and nothing else is; else 1. Rules: CNF-15, CNF-19."""
-        if self.adapters and all(self.passed(adapter) for adapter in self.adapters):
-            return GOOD
-        bad = {result.status for result in self.results if result.status in BAD}
-        return ADAPTER_FAULT if bad == {"error"} else FAILURE
+from .adapters import Adapter
+from .ledger import Ledger
+from .results import Report, Result, Shards
+from .running.case import Case
+from .running.journal import Journal, identity
+from .running.local import run_local
+from .running.shards import Shard
 
 
 def verify(entries: Iterable[Entry], suite: Path) -> None:
     """Hold the files of a suite against their checksums. Rules: CNF-3. Raises InputFormat for one that differs."""
     for entry in entries:
-        expects: list[Expect] = [entry.expect, *(e for readings in entry.readings.values() for e in readings.values())]
-        files = {entry.file: entry.sha256} | ({entry.aux: entry.aux_sha256} if entry.aux else {})
-        files |= {e.file: e.sha256 for e in expects if isinstance(e, Accepted)}
-        for name, checksum in files.items():
+        for name, checksum in files_of(entry).items():
             path = suite / name
             # By its name alone: in a tree of links (an editable install) every file really lies elsewhere.
             if not _inside(name) or not path.is_file():
@@ -87,9 +36,25 @@ def verify(entries: Iterable[Entry], suite: Path) -> None:
                 raise InputFormat("CNF-3", f"{entry.id}: {name}", value="another content", allowed=f"sha256 {checksum}")
 
 
+def files_of(entry: Entry) -> dict[str, str]:
+    """The files of a vector, relative to the suite, and their sha256. Rules: CNF-3."""
+    expects: list[Expect] = [entry.expect, *(e for readings in entry.readings.values() for e in readings.values())]
+    files = {entry.file: entry.sha256} | ({entry.aux: entry.aux_sha256} if entry.aux else {})
+    return files | {e.file: e.sha256 for e in expects if isinstance(e, Accepted)}
+
+
 def _inside(name: str) -> bool:
     path = PurePosixPath(name)
     return not path.is_absolute() and ".." not in path.parts
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What `run` tells while it runs. Rules: CNF-18, CNF-20. `done`: of `total`, those of a journal counted."""
+
+    done: int
+    total: int
+    result: Result | None = None
 
 
 def run(
@@ -100,12 +65,24 @@ def run(
     select: Callable[[Entry], bool] = lambda entry: True,
     filter: str = "",
     jobs: int = 1,
-    progress: Callable[[Result], None] | None = None,
+    shard: Shard | None = None,
+    cluster: str | None = None,
+    journal: Path | None = None,
+    resume: bool = False,
+    ledger: Ledger | None = None,
+    today: date | None = None,
+    traces: Path | None = None,
+    progress: Callable[[Progress], None] | None = None,
 ) -> Report:
     """Run decoders over the selected vectors; results stand in the order of the adapters and the manifest.
 
-    Rules: CNF-15, CNF-20. Raises InputFormat for a suite whose files are not those of its
-    manifest, and for two adapters of one name.
+    Rules: CNF-15, CNF-20. `shard`: only this part of the selection. `cluster`: address of a Dask scheduler, instead of
+    `jobs` at the same time here. `journal`: a file that keeps the results as they come, and is gone when all are there;
+    `resume`: those that stand in it are not run again. `ledger`: known failures, as of `today`. `traces`: a folder with
+    the decoders' own traces, `VECTOR.json` or `ADAPTER/VECTOR.json`.
+
+    Raises InputFormat for a suite whose files are not those of its manifest, for two adapters of one name, and for the
+    journal of another run.
     """
     names = [adapter.name for adapter in adapters]
     for name in names:
@@ -114,50 +91,57 @@ def run(
                 "CNF-15", "adapter name", value=name, allowed="a name that no other adapter of the run has"
             )
     entries = [entry for entry in manifest.entries if select(entry)]
+    if shard is not None:
+        entries = shard.of(entries)
     verify(entries, suite)
-
-    def one(task: tuple[Adapter, Entry]) -> Result:
-        result = _one(task[0], task[1], suite)
-        if progress is not None:
-            progress(result)
-        return result
-
-    tasks = [(adapter, entry) for adapter in adapters for entry in entries]
+    digest = _digest(manifest, suite)
+    cases = [Case(adapter, entry) for adapter in adapters for entry in entries]
+    kept: Journal | None = None
+    if journal is not None:
+        run_id = identity(
+            manifest.suite, digest, filter, str(shard or ""), [entry.id for entry in entries], list(adapters)
+        )
+        kept = Journal(journal, run_id, resume=resume)
     try:
-        # Threads wait for processes; the built-in decoder would only wait for itself.
-        if jobs > 1 and any(not isinstance(adapter, BuiltIn) for adapter in adapters):
-            with ThreadPoolExecutor(jobs) as pool:
-                results = list(pool.map(one, tasks))
-        else:
-            results = [one(task) for task in tasks]
+        results = dict(kept.done) if kept is not None else {}
+        left = [case for case in cases if case.key not in results]
+        if progress is not None:
+            progress(Progress(len(results), len(cases)))
+        for result in _results(left, suite, jobs, cluster, traces):
+            if result.key in results:
+                raise AssertionError(f"{result.key} was run twice")
+            results[result.key] = result
+            if kept is not None:
+                kept.add(result)
+            if progress is not None:
+                progress(Progress(len(results), len(cases), result))
     finally:
         for adapter in adapters:
             adapter.close()
-    return Report(manifest.suite, filter, tuple(adapter.name for adapter in adapters), tuple(results))
-
-
-def _one(adapter: Adapter, entry: Entry, suite: Path) -> Result:
-    lacks = adapter.lacks(entry)
-    seconds = 0.0
-    if lacks:
-        verdict = Verdict("not_applicable", f"not claimed: {lacks}")
-    else:
-        outcome = adapter.decode(entry, suite / entry.file, suite / entry.aux if entry.aux else None)
-        seconds = outcome.seconds
-        verdict = judge(entry, outcome, suite, adapter.format)
-    location: Location | None = None
-    if verdict.difference is not None:
-        location = locate(entry, suite, verdict.difference, fap_frames=adapter.format == "fap")
-    return Result(
-        adapter.name, entry.id, entry.title, entry.tier, entry.kind, entry.rules, verdict.status, verdict.reason,
-        verdict.reading, seconds, verdict.difference, location, _reproduce(adapter, entry, suite),
+        if kept is not None:
+            kept.close()
+    report = Report(
+        manifest.suite, filter, tuple(names), tuple(results[case.key] for case in cases), digest,
+        {} if shard is None else {name: Shards(shard.count, (shard.number,)) for name in names},
     )  # fmt: skip
+    if ledger is None:
+        return report
+    return ledger.apply(report, [entry.id for entry in manifest.entries], today or date.today())
 
 
-def _reproduce(adapter: Adapter, entry: Entry, suite: Path) -> str:
-    words = ["snhc run"]
-    if adapter.reproduce:
-        words.append(adapter.reproduce)
-    if suite != SUITE:
-        words.append(f"--suite {shlex.quote(str(suite))}")
-    return " ".join([*words, f"--filter {entry.id}"])
+def _results(
+    cases: Sequence[Case], suite: Path, jobs: int, cluster: str | None, traces: Path | None
+) -> Iterator[Result]:
+    if cluster is None:
+        yield from run_local(cases, suite, jobs, traces)
+    elif cases:
+        from .running.cluster import run_cluster
+
+        yield from run_cluster(cases, suite, cluster, traces)
+
+
+def _digest(manifest: Manifest, suite: Path) -> str:
+    """What tells one suite from another of the same version: the sha256 of its manifest."""
+    path = suite / MANIFEST_NAME
+    data = path.read_bytes() if path.is_file() else manifest.text().encode()
+    return sha256(data).hexdigest()

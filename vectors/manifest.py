@@ -301,6 +301,6 @@ def load(suite: Path = SUITE, *, check_schema: bool = True) -> Manifest:
         validate(document)
     return Manifest(
         document["suite"],
-        tuple(Entry.from_json(entry) for entry in document["vectors"]),
+        tuple(sorted((Entry.from_json(entry) for entry in document["vectors"]), key=lambda entry: entry.id)),
         tuple(Tombstone(**entry) for entry in document["tombstones"]),
     )

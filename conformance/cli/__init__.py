@@ -29,6 +29,7 @@ VERBS: Final = {
     "dump": "Show what every bit of a stream is.",
     "generate": "Make the suite's vectors, or check them.",
     "run": "Run decoders against the suite.",
+    "report": "Render saved results, and join those of several runs.",
     "rules": "Print the rules, ambiguities and findings.",
 }
 

@@ -25,10 +25,17 @@ if TYPE_CHECKING:
     from snhc.reference_impl.systems.stream import Options
 
 __all__ = [
-    "Common", "FindingReport", "Output", "colour_allowed", "common_options", "format_of", "near", "open_binary",
+    "REPORT_FORMATS", "REPORT_SUFFIXES", "Common", "FindingReport", "Output", "colour_allowed", "common_options",
+    "format_of", "near", "open_binary",
     "open_input", "parse_limits", "parse_readings", "progress",
 ]  # fmt: skip
 
+# Of reports; here, so that the help of a verb imports no report.
+REPORT_FORMATS: Final = ("terminal", "markdown", "junit", "sarif", "json")
+REPORT_SUFFIXES: Final = {
+    ".txt": "terminal", ".md": "markdown", ".xml": "junit", ".sarif": "sarif",
+    ".json": "json",
+}  # fmt: skip
 # Findings of one id that are printed; the others are counted.
 SHOWN_PER_ID: Final = 100
 

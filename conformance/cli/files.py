@@ -126,10 +126,11 @@ def colour_allowed(is_terminal: bool) -> bool:
 
 
 @contextmanager
-def progress(common: Common, label: str, total: int) -> Iterator[Callable[[int], None] | None]:
+def progress(common: Common, label: str, total: int) -> Iterator[Callable[..., None] | None]:
     """A progress bar on standard error, or None where nobody would see it.
 
-    Rules: CNF-19. Yields a function of the number done so far, which may be called as often as one likes.
+    Rules: CNF-19. Yields a function of the number done so far, and of the total where that is known only then; it may
+    be called as often as one likes.
     """
     if not common.progress or not sys.stderr.isatty():
         yield None
@@ -140,7 +141,7 @@ def progress(common: Common, label: str, total: int) -> Iterator[Callable[[int],
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=total)
 
-        def advance(done: int) -> None:
-            bar.update(task, completed=done)
+        def advance(done: int, total: int | None = None) -> None:
+            bar.update(task, completed=done, total=total)
 
         yield advance

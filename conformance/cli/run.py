@@ -1,19 +1,37 @@
 """`snhc run`: decoders against the suite.
 
-Rules: CNF-9, CNF-15, CNF-18, CNF-19.
+Rules: CNF-9, CNF-15, CNF-18, CNF-19, CNF-20.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
+from datetime import date
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from .common import Common, Output, common_options, format_of
+from .common import REPORT_FORMATS, REPORT_SUFFIXES, Common, Output, colour_allowed, common_options, format_of, progress
 
-_FORMATS = {".json": "json", ".txt": "terminal"}
+if TYPE_CHECKING:
+    from snhc.conformance.adapters import Adapter
+    from snhc.conformance.runner import Progress
+    from snhc.conformance.running.shards import Shard
+
+
+def _shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Shard | None:
+    from snhc.conformance.running.shards import parse_shard
+    from snhc.reference_impl.bitstream.errors import InputFormat
+
+    if value is None:
+        return None
+    try:
+        return parse_shard(value)
+    except InputFormat as error:
+        raise click.BadParameter(f"{value!r} is not of the form i/n with i from 1 to n") from error
 
 
 @click.command()
@@ -35,10 +53,31 @@ _FORMATS = {".json": "json", ".txt": "terminal"}
     "--filter", "expression", metavar="EXPR", default="",
     help="Vectors to run: terms that must all hold, e.g. 'fap.arith.* rule=FBA-25 !tier=stress'.",
 )  # fmt: skip
-@click.option("--format", "given", type=click.Choice(["terminal", "json"]), help="Of the report.")
+@click.option(
+    "--shard", metavar="I/N", callback=_shard,
+    help="Only the I-th of N parts of the selection; `snhc report` joins the reports.",
+)  # fmt: skip
 @click.option(
     "-j", "--jobs", type=click.IntRange(min=1), default=os.cpu_count() or 1, help="Decoders at the same time."
 )
+@click.option("--cluster", metavar="ADDRESS", help="Run on the workers of this Dask scheduler (extra: cluster).")
+@click.option(
+    "--resume", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+    help="The journal of an interrupted run: go on with it. Is made if it is not there.",
+)  # fmt: skip
+@click.option(
+    "--ledger", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="FILE",
+    help="Known failures (TOML).",
+)  # fmt: skip
+@click.option(
+    "--draft-ledger", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+    help="Write a ledger of the failures that none excuses; links are left to fill in.",
+)  # fmt: skip
+@click.option(
+    "--traces", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="DIR",
+    help="The decoder's own traces, VECTOR.json in the form of `snhc dump --format json`.",
+)  # fmt: skip
+@click.option("--format", "given", type=click.Choice(REPORT_FORMATS), help="Of the report.")
 @common_options(reads=False)
 def command(
     adapter: tuple[str, ...],
@@ -47,8 +86,14 @@ def command(
     timeout: float | None,
     suite: Path | None,
     expression: str,
-    given: str | None,
+    shard: Shard | None,
     jobs: int,
+    cluster: str | None,
+    resume: Path | None,
+    ledger: Path | None,
+    draft_ledger: Path | None,
+    traces: Path | None,
+    given: str | None,
     common: Common,
 ) -> None:
     """Run decoders against the suite.
@@ -59,34 +104,71 @@ def command(
     Without an adapter the built-in reference decoder is validated. Fields of --filter: id (the default), tier, kind,
     rule, feature, class, tool; globs, | between alternatives, ! before a term that must not hold.
 
+    With -o FILE results are kept in FILE.journal until the report is written; after an interrupt --resume goes on
+    with it.
+
     Exit codes: 0 every decoder passes, 1 one fails (an empty run fails), 2 usage, 3 a file cannot be read, 5 an adapter
     file is wrong, or nothing but the adapters is at fault.
     """
     from snhc.conformance import adapters as kinds
-    from snhc.conformance import report as reports
+    from snhc.conformance import ledger as ledgers
     from snhc.conformance.filters import selector
+    from snhc.conformance.reports import render
     from snhc.conformance.runner import run
     from snhc.reference_impl.bitstream.errors import InputFormat
     from snhc.vectors.manifest import SUITE, load
 
-    style = format_of(given, common.output, _FORMATS, "terminal")
+    style = format_of(given, common.output, REPORT_SUFFIXES, "terminal")
     try:
         select = selector(expression)
     except InputFormat as error:
         raise click.BadParameter(error.message, param_hint="--filter") from error
-    foreign: list[kinds.Adapter] = [kinds.find(word) for word in adapter]
-    foreign += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
+    decoders: list[Adapter] = [kinds.find(word) for word in adapter]
+    decoders += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
     if timeout is not None:
-        foreign = [one.timed(timeout) for one in foreign]
-    decoders = foreign or [kinds.BuiltIn()]
+        decoders = [one.timed(timeout) for one in decoders]
     folder = suite if suite is not None else SUITE
-    report = run(load(folder), decoders, suite=folder, select=select, filter=expression, jobs=jobs)
+    known = ledgers.load(ledger) if ledger is not None else None
+    journal = resume if resume is not None else _journal(common.output)
+    with progress(common, "run", 0) as bar:
+        shown = _Shown(bar)
+        try:
+            report = run(
+                load(folder), decoders or [kinds.BuiltIn()], suite=folder, select=select, filter=expression, jobs=jobs,
+                shard=shard, cluster=cluster, journal=journal, resume=resume is not None, ledger=known, traces=traces,
+                progress=shown,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            if journal is not None:
+                click.echo(f"snhc: interrupted after {shown.words}; go on with --resume {journal}", err=True)
+            raise
     with Output(common.output, common.keep_partial) as out:
-        if style == "json":
-            out.write(reports.json_text(report))
-        else:
-            colour = out.is_terminal and "NO_COLOR" not in os.environ
-            out.write(reports.terminal_text(report, colour=colour))
+        out.write(render(report, style, colour=colour_allowed(out.is_terminal)))
     sys.stdout.flush()
+    if draft_ledger is not None:
+        draft_ledger.write_text(ledgers.draft(report.results, date.today()), encoding="utf-8")
+    if journal is not None:
+        journal.unlink(missing_ok=True)
     if report.exit_code:
         raise click.exceptions.Exit(report.exit_code)
+
+
+def _journal(output: str | None) -> Path | None:
+    if output is None or output == "-":
+        return None
+    path = Path(output)
+    # A device keeps no journal beside it.
+    return path.with_name(path.name + ".journal") if path.is_file() or not path.exists() else None
+
+
+class _Shown:
+    """How far the run is: on a bar, and in words for an interrupt."""
+
+    def __init__(self, bar: Callable[..., None] | None) -> None:
+        self._bar = bar
+        self.words = "nothing"
+
+    def __call__(self, progress: Progress) -> None:
+        self.words = f"{progress.done} of {progress.total}"
+        if self._bar is not None:
+            self._bar(progress.done, progress.total)

@@ -25,8 +25,10 @@ from snhc.conformance.cli.run import command as run_command
 from snhc.conformance.compare import judge, overlap
 from snhc.conformance.differences import Difference
 from snhc.conformance.filters import selector
-from snhc.conformance.report import SCHEMA_FILE, as_json, terminal_text
-from snhc.conformance.runner import Report, run, verify
+from snhc.conformance.reports.json import SCHEMA_FILE
+from snhc.conformance.reports.terminal import terminal_text
+from snhc.conformance.results import Report
+from snhc.conformance.runner import run, verify
 from snhc.conformance.where import locate
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.vectors.manifest import MANIFEST_NAME, SUITE, Entry, Manifest
@@ -328,7 +330,7 @@ def test_two_adapters_of_one_name_are_refused() -> None:
 
 def test_reports_fit_the_schema_and_show_the_failure() -> None:
     report = _report("wrong_value", VALID, INVALID)
-    jsonschema.validate(as_json(report), json.loads(SCHEMA_FILE.read_text()))
+    jsonschema.validate(report.as_json(), json.loads(SCHEMA_FILE.read_text()))
     text = terminal_text(report)
     assert "frame 2, FAP 3 (faps): reference 140, candidate 141" in text
     assert "plane[2] at bits [270, 302)" in text and "wrong_value: FAIL (1 pass, 1 fail; suite " in text
