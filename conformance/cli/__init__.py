@@ -28,6 +28,7 @@ VERBS: Final = {
     "plot": "Plot the FAP curves and bit rates of a stream.",
     "dump": "Show what every bit of a stream is.",
     "generate": "Make the suite's vectors, or check them.",
+    "coverage": "Show what the suite covers, and its holes.",
     "run": "Run decoders against the suite.",
     "report": "Render saved results, and join those of several runs.",
     "rules": "Print the rules, ambiguities and findings.",

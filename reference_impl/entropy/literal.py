@@ -51,7 +51,9 @@ class SegmentTrace:
     """A decoded segment: its steps, guards and end.
 
     Rules: FBA-25, FBA-26. `guards`: (absolute bit position, value) of the guards before the end position. `tail`:
-    how the last two data bits differ from an encoder's, 0 normally.
+    how the last two data bits differ from an encoder's, 0 normally. `ahead`: the guards met behind the end position,
+    among the bits that the coder looks ahead at; their values do not count. `past_end`: the look-ahead met the end of
+    the data, where zeros are read (FBA-27).
     """
 
     start: int
@@ -59,6 +61,8 @@ class SegmentTrace:
     steps: tuple[SymbolStep, ...]
     guards: tuple[tuple[int, int], ...]
     tail: int = 0
+    ahead: tuple[tuple[int, int], ...] = ()
+    past_end: bool = False
 
 
 class LiteralDecoder:
@@ -161,7 +165,10 @@ class LiteralDecoder:
         guards = tuple((position, value) for position, value in self._guards if position < end)
         # An encoder ends on 01 where low lies below the first quarter, else on 10 (FBA-26).
         wanted = 0b01 if self._low < Q1 else 0b10
-        return SegmentTrace(self._start, end, tuple(steps), guards, self._code_value // Q1 - wanted)
+        return SegmentTrace(
+            self._start, end, tuple(steps), guards, self._code_value // Q1 - wanted,
+            tuple(self._guards[len(guards) :]), self._size >= 0,
+        )  # fmt: skip
 
 
 def _smallest(cum: list[int], c: int) -> int:

@@ -26,9 +26,9 @@ from .reconstruct import high_level_values, reconstruct
 from .records import FbaObject, FbaPlane, ParameterData
 from .state import FaceState, ParameterState
 
-FBA_OBJECT_START_CODE: Final = Element("fba_object_start_code", "FBA-1")
-FBA_OBJECT_PLANE_START_CODE: Final = Element("fba_object_plane_start_code", "FBA-2")
-NEXT_START_CODE: Final = Element("stuffing", "FBA-3")
+FBA_OBJECT_START_CODE: Final = Element("fba_object_start_code", "FBA-1", fixed=True)
+FBA_OBJECT_PLANE_START_CODE: Final = Element("fba_object_plane_start_code", "FBA-2", fixed=True)
+NEXT_START_CODE: Final = Element("stuffing", "FBA-3", fixed=True)
 PADDING: Final = Element("zero_padding", "FBA-42")
 IS_INTRA: Final = Element("is_intra", "FBA-5")
 FBA_OBJECT_MASK: Final = Element(
@@ -146,7 +146,7 @@ def fba_object(io: SyntaxIO, obj: FbaObject, planes: Iterator[FbaPlane]) -> Iter
         else:
             idle = 1 if plane.start_code else idle + 1
             if idle > io.limits.idle_planes:
-                fault = Fault(_IDLE.error, _IDLE.rule, _IDLE.what, f"at most {io.limits.idle_planes}")
+                fault = _IDLE.allowing(f"at most {io.limits.idle_planes}")
                 io.require(False, fault, idle, plane.start, plane.end)
         plane.frames = reconstruct(state, plane)
         if state.clock.went_back:

@@ -28,12 +28,12 @@ from .polygon import first_fault
 from .records import DELAUNAY, UNIFORM, MeshGeometry, MeshMotion, MeshObject, MeshPlane
 from .state import MeshState, reconstruct_mesh
 
-MESH_OBJECT_START_CODE: Final = Element("mesh_object_start_code", "MSH-1")
-MESH_OBJECT_PLANE_START_CODE: Final = Element("mesh_object_plane_start_code", "MSH-2")
-OBJECT_STUFFING: Final = Element("stuffing", "MSH-2")
-STUFFING: Final = Element("stuffing", "FBA-3")
+MESH_OBJECT_START_CODE: Final = Element("mesh_object_start_code", "MSH-1", fixed=True)
+MESH_OBJECT_PLANE_START_CODE: Final = Element("mesh_object_plane_start_code", "MSH-2", fixed=True)
+OBJECT_STUFFING: Final = Element("stuffing", "MSH-2", fixed=True)
+STUFFING: Final = Element("stuffing", "FBA-3", fixed=True)
 PADDING: Final = Element("zero_padding", "MSH-25")
-USER_DATA_START_CODE: Final = Element("user_data_start_code", "MSH-2")
+USER_DATA_START_CODE: Final = Element("user_data_start_code", "MSH-2", fixed=True)
 USER_DATA_BYTES: Final = Element("user_data", "MSH-2")
 IS_INTRA: Final = Element("is_intra", "MSH-2")
 MESH_MASK: Final = Element("mesh_mask", "MSH-2", meaning={0: "no data", 1: "geometry (intra) or motion"})
@@ -81,6 +81,10 @@ _TYPE_3: Final = Fault(ReservedValue, "MSH-30", "mesh_type_code", "1, 2")
 _NODE_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "nodes of the mesh", "")
 _NODE_RANGE: Final = Fault(RangeViolation, "MSH-24", "node position", f"{NODE_MIN}..{NODE_MAX} half pixels")
 _MOVED_RANGE: Final = Fault(RangeViolation, "MSH-24", "moved position", f"{MIN_POSITION}..{MAX_POSITION} half pixels")
+_MORE_BOUNDARY: Final = Fault(RangeViolation, "MSH-38", "nr_of_boundary_nodes", "")
+_BROKEN_POLYGON: Final = Fault(InconsistentSemantics, "MSH-11", "node", "")
+_VECTORS: Final = Fault(EncodeError, "MSH-21", "number of vectors", "")
+_WRONG_STUFFING: Final = Fault(ForbiddenValue, "FBA-3", "stuffing of a mesh plane", "")
 _NO_CODE: Final = Fault(ForbiddenValue, "MSH-25", "start code", "a start code, or the end of the data")
 _USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
 
@@ -160,8 +164,13 @@ def _end_of_plane(io: SyntaxIO, obj: MeshObject, plane: MeshPlane, following: Me
     width = 8 - (start & 7)
     stuffing = (1 << (width - 1)) - 1
     read = io.u(STUFFING, width, stuffing)
-    wrong = Fault(ForbiddenValue, "FBA-3", "stuffing", f"{stuffing:0{width}b}")
-    io.require(read == stuffing, wrong, f"{read:0{width}b}", start, io.tell())
+    io.require(
+        read == stuffing,
+        _WRONG_STUFFING.allowing(f"{stuffing:0{width}b}", "stuffing"),
+        f"{read:0{width}b}",
+        start,
+        io.tell(),
+    )
     count = 0
     while io.next_code(USER_DATA if count < len(plane.user_data) else 0) == USER_DATA:
         _user_data(io, plane, count)
@@ -175,10 +184,7 @@ def _user_data(io: SyntaxIO, plane: MeshPlane, i: int) -> None:
     data = b"" if io.reading else plane.user_data[i]
     count = io.bytes_to_prefix(len(data))
     if count > io.limits.user_data_bytes:
-        fault = Fault(
-            _USER_DATA_LIMIT.error, _USER_DATA_LIMIT.rule, _USER_DATA_LIMIT.what,
-            f"at most {io.limits.user_data_bytes} bytes",
-        )  # fmt: skip
+        fault = _USER_DATA_LIMIT.allowing(f"at most {io.limits.user_data_bytes} bytes")
         io.require(False, fault, count, start, io.tell() + 8 * count)
     data = io.raw(USER_DATA_BYTES, count, data)
     if io.reading:
@@ -240,8 +246,7 @@ def _uniform(io: SyntaxIO, geometry: MeshGeometry) -> None:
 
 def _check_count(io: SyntaxIO, count: int, limit: int, start: int) -> None:
     if count > limit:
-        fault = Fault(_NODE_LIMIT.error, _NODE_LIMIT.rule, _NODE_LIMIT.what, f"at most {limit}")
-        io.require(False, fault, count, start, io.tell())
+        io.require(False, _NODE_LIMIT.allowing(f"at most {limit}"), count, start, io.tell())
 
 
 def _delaunay(io: SyntaxIO, geometry: MeshGeometry) -> bool:
@@ -251,7 +256,7 @@ def _delaunay(io: SyntaxIO, geometry: MeshGeometry) -> bool:
     io.marker(MARKER)
     start = io.tell()
     geometry.boundary_count = io.u(NR_OF_BOUNDARY_NODES, 10, geometry.boundary_count)
-    more = Fault(RangeViolation, "MSH-38", "nr_of_boundary_nodes", f"3..{count}")
+    more = _MORE_BOUNDARY.allowing(f"3..{count}")
     io.require(geometry.boundary_count <= count, more, geometry.boundary_count, start, io.tell())
     io.marker(MARKER)
     spans: list[tuple[int, int]] = []
@@ -313,9 +318,7 @@ def _check_polygon(io: SyntaxIO, geometry: MeshGeometry, spans: list[tuple[int, 
     fault = first_fault(geometry.xs, geometry.ys, geometry.boundary_count)
     if fault is None:
         return True
-    broken = Fault(
-        InconsistentSemantics, "MSH-11", f"node {fault.node}", f"a simple polygon around the nodes, not a {fault.kind}"
-    )
+    broken = _BROKEN_POLYGON.allowing(f"a simple polygon around the nodes, not a {fault.kind}", f"node {fault.node}")
     x, y = geometry.xs[fault.node], geometry.ys[fault.node]
     first, last = spans[fault.node] if fault.node < len(spans) else (io.tell(), io.tell())
     io.enter(AT_NODE, fault.node)
@@ -330,8 +333,8 @@ def mesh_motion(io: SyntaxIO, state: MeshState, motion: MeshMotion) -> None:
     topology = state.topology
     if topology is None:
         return  # only the faulty writer: there is no mesh to move
-    vectors = Fault(EncodeError, "MSH-21", "number of vectors", f"{len(topology.order)}")
     if not io.reading:
+        vectors = _VECTORS.allowing(f"{len(topology.order)}")
         io.require(len(motion.codes) == len(topology.order), vectors, len(motion.codes), io.tell(), io.tell())
     range_code = motion.range_code
     xs, ys = state.xs, state.ys

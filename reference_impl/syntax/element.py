@@ -26,11 +26,12 @@ class Element:
     `name`: the standard's spelling. `lo`, `hi`: the allowed values where the width allows more (None: all).
     `forbidden`: single values inside that are not allowed. `fault`: the error class of a value outside the domain.
     `domain_rule`: the rule that such a value breaks, where it is not `rule`. `meaning`: value -> words, for people.
+    `fixed`: a bit pattern that the syntax prescribes (start codes, stuffing): there is nothing to choose.
     `index`: place in `ELEMENTS`, by which traces name it.
     """
 
     __slots__ = (
-        "domain_rule", "fault", "forbidden", "hi", "index", "lo", "meaning", "name", "restricted", "rule",
+        "domain_rule", "fault", "fixed", "forbidden", "hi", "index", "lo", "meaning", "name", "restricted", "rule",
     )  # fmt: skip
 
     def __init__(
@@ -44,6 +45,7 @@ class Element:
         fault: type[SnhcError] = ForbiddenValue,
         domain_rule: str = "",
         meaning: dict[int, str] | None = None,
+        fixed: bool = False,
     ) -> None:
         self.name = name
         self.rule = rule
@@ -53,6 +55,7 @@ class Element:
         self.fault = fault
         self.domain_rule = domain_rule or rule
         self.meaning = meaning if meaning is not None else {}
+        self.fixed = fixed
         self.restricted = lo is not None or hi is not None or bool(forbidden)
         self.index = len(ELEMENTS)
         ELEMENTS.append(self)
@@ -95,16 +98,29 @@ def marker(rule: str) -> Element:
 class Fault:
     """A relation that must hold, declared once. Rules: CNF-7.
 
-    `what`: the element or relation that is at fault; `allowed`: what would be right.
+    `what`: the element or relation that is at fault; `allowed`: what would be right. `declared`: the fault in `FAULTS`
+    that this one was made from by `allowing`, else itself.
     """
 
-    __slots__ = ("allowed", "error", "rule", "what")
+    __slots__ = ("allowed", "declared", "error", "rule", "what")
 
-    def __init__(self, error: type[SnhcError], rule: str, what: str, allowed: str) -> None:
+    def __init__(
+        self, error: type[SnhcError], rule: str, what: str, allowed: str, declared: Fault | None = None
+    ) -> None:
         self.error = error
         self.rule = rule
         self.what = what
         self.allowed = allowed
+        self.declared: Fault = self if declared is None else declared
+        if declared is None:
+            FAULTS.append(self)
+
+    def allowing(self, allowed: str, what: str = "") -> Fault:
+        """The same fault where only the stream tells what is allowed, or which one it is. Rules: CNF-7."""
+        return Fault(self.error, self.rule, what or self.what, allowed, self.declared)
+
+
+FAULTS: Final[list[Fault]] = []
 
 
 @final

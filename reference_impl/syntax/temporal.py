@@ -87,7 +87,7 @@ def _number_of_frames_to_skip(io: SyntaxIO, h: TemporalHeader) -> None:
         group = io.u(NUMBER_OF_FRAMES_TO_SKIP, 4, 15 if rest > 15 else rest)
         total += group
         if total > io.limits.skipped_frames:
-            fault = Fault(_SKIP_LIMIT.error, _SKIP_LIMIT.rule, _SKIP_LIMIT.what, f"at most {io.limits.skipped_frames}")
+            fault = _SKIP_LIMIT.allowing(f"at most {io.limits.skipped_frames}")
             io.require(False, fault, total, start, io.tell())
     h.number_of_frames_to_skip = total
 

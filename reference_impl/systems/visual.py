@@ -36,12 +36,12 @@ from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault
 from ..tables import profile_level_codes, profile_tools, start_codes
 
-SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2")
-SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1")
+SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2", fixed=True)
+SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1", fixed=True)
 PROFILE_AND_LEVEL: Final = Element("profile_and_level_indication", "SYS-2")
-USER_DATA_START_CODE: Final = Element("user_data_start_code", "SYS-5")
+USER_DATA_START_CODE: Final = Element("user_data_start_code", "SYS-5", fixed=True)
 USER_DATA_BYTES: Final = Element("user_data", "SYS-5")
-VISUAL_OBJECT_START_CODE: Final = Element("visual_object_start_code", "SYS-3")
+VISUAL_OBJECT_START_CODE: Final = Element("visual_object_start_code", "SYS-3", fixed=True)
 IS_VISUAL_OBJECT_IDENTIFIER: Final = Element("is_visual_object_identifier", "SYS-3")
 VISUAL_OBJECT_VERID: Final = Element("visual_object_verid", "SYS-3")
 VISUAL_OBJECT_PRIORITY: Final = Element("visual_object_priority", "SYS-3", lo=1, hi=7, fault=ReservedValue)
@@ -49,7 +49,7 @@ VISUAL_OBJECT_TYPE: Final = Element(
     "visual_object_type", "SYS-4", lo=1, hi=5, fault=ReservedValue,
     meaning={1: "video", 2: "still texture", 3: "mesh", 4: "FBA", 5: "3D mesh"},
 )  # fmt: skip
-STUFFING: Final = Element("stuffing", "FBA-3")
+STUFFING: Final = Element("stuffing", "FBA-3", fixed=True)
 TRAILING: Final = Element("trailing_data", "FBA-3")
 
 TYPE_MESH: Final = 3
@@ -73,6 +73,7 @@ _WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the 
 _NO_VISUAL_OBJECT: Final = Fault(InconsistentSemantics, "SYS-2", "start code", "visual_object or user_data")
 _TRAILING: Final = Fault(TrailingData, "FBA-3", "data behind the end", "nothing, or another sequence or object")
 _OPEN_USER_DATA: Final = Fault(Truncated, "SYS-5", "user_data", "a start code behind it")
+_WRONG_STUFFING: Final = Fault(ForbiddenValue, "FBA-3", "stuffing of a visual object", "")
 _USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
 
 
@@ -290,10 +291,7 @@ def _user_data(io: SyntaxIO, item: StreamItem) -> None:
     io.u(USER_DATA_START_CODE, 32, item.code)
     count = io.bytes_to_prefix(len(item.user_data))
     if count > io.limits.user_data_bytes:
-        fault = Fault(
-            _USER_DATA_LIMIT.error, _USER_DATA_LIMIT.rule, _USER_DATA_LIMIT.what,
-            f"at most {io.limits.user_data_bytes} bytes",
-        )  # fmt: skip
+        fault = _USER_DATA_LIMIT.allowing(f"at most {io.limits.user_data_bytes} bytes")
         io.require(False, fault, count, item.start, io.tell() + 8 * count)
     item.user_data = io.raw(USER_DATA_BYTES, count, item.user_data)
     item.end = io.tell()
@@ -318,8 +316,13 @@ def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
     stuffing = (1 << (width - 1)) - 1
     start = io.tell()
     read = io.u(STUFFING, width, stuffing)
-    wrong = Fault(ForbiddenValue, "FBA-3", "stuffing", f"{stuffing:0{width}b}")
-    io.require(read == stuffing, wrong, f"{read:0{width}b}", start, io.tell())
+    io.require(
+        read == stuffing,
+        _WRONG_STUFFING.allowing(f"{stuffing:0{width}b}", "stuffing"),
+        f"{read:0{width}b}",
+        start,
+        io.tell(),
+    )
     item.end = io.tell()
     return header.type
 
