@@ -2,3 +2,5 @@
 
 Imports nothing from `snhc.analyzer`, `snhc.vectors` or `snhc.conformance`.
 """
+
+from . import _forms as _forms

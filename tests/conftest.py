@@ -12,6 +12,10 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from snhc.conformance.cli.version import form
+
+PATCHES = "replaces parts of the decoder, which only the pure form notices"
+NOT_BUILT = "the package was built without a compiled form"
 CORPUS_MISSING = "no real files given (--corpus DIR or SNHC_CORPUS=DIR)"
 
 # Generated streams are large records: their size is no sign of a bad strategy. Failures print how to replay them.
@@ -24,6 +28,29 @@ settings.load_profile(os.environ.get("SNHC_HYPOTHESIS_PROFILE", "snhc"))
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--corpus", metavar="DIR", default=None, help="folder with real .fap files (or SNHC_CORPUS)")
+    parser.addoption(
+        "--form", choices=("pure", "compiled", "compiled-if-built"), default=None,
+        help="the form of the codec that must run; compiled-if-built: without one, every test counts as not run",
+    )  # fmt: skip
+
+
+def pytest_report_header() -> str:
+    return f"codec: {form()}"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    wanted = config.getoption("--form")
+    if wanted in ("pure", "compiled") and wanted != form():
+        raise pytest.UsageError(f"--form {wanted}, but the codec that runs is {form()} (SNHC_PURE, SNHC_COMPILE)")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    not_built = config.getoption("--form") == "compiled-if-built" and form() != "compiled"
+    for item in items:
+        if not_built:
+            item.add_marker(pytest.mark.skip(reason=NOT_BUILT))
+        elif form() == "compiled" and item.get_closest_marker("patches") is not None:
+            item.add_marker(pytest.mark.skip(reason=PATCHES))
 
 
 @pytest.fixture

@@ -39,11 +39,17 @@ def case_files(kind: str, name: str) -> tuple[Json, bytes, list[Json]]:
     return case, (folder / case["input"]).read_bytes(), lines
 
 
+def fields_of(record: object) -> tuple[str, ...]:
+    """Names of a record's fields, in either form: a compiled class keeps no `__slots__`."""
+    kind = type(record)
+    return tuple(getattr(kind, "__slots__", ()) or getattr(kind, "__mypyc_attrs__", ()))
+
+
 def plain(value: object, *, spans: bool = True) -> object:
     """A record as nested tuples and dicts, for comparison; `spans` False leaves `start` and `end` bits out."""
     if isinstance(value, RECORDS):
         left_out = set() if spans or isinstance(value, FbaObject) else {"start", "end"}
-        return {name: plain(getattr(value, name), spans=spans) for name in value.__slots__ if name not in left_out}
+        return {name: plain(getattr(value, name), spans=spans) for name in fields_of(value) if name not in left_out}
     if isinstance(value, list | tuple):
         return [plain(entry, spans=spans) for entry in value]
     return value

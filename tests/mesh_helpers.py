@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from fba_helpers import check_error, key
+from fba_helpers import check_error, fields_of, key
 from unit.mesh_second_parser import TABLES, _words
 
 from snhc.reference_impl.bitstream.errors import SnhcError
@@ -37,7 +37,7 @@ assert TABLES.is_dir()
 def plain(value: object) -> object:
     """A record as nested dicts and lists without what reading derives, for comparison."""
     if isinstance(value, RECORDS):
-        return {name: plain(getattr(value, name)) for name in value.__slots__ if name not in DERIVED}
+        return {name: plain(getattr(value, name)) for name in fields_of(value) if name not in DERIVED}
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
     return value

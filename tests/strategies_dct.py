@@ -8,7 +8,7 @@ from __future__ import annotations
 from random import Random
 from typing import Any, Final
 
-from fba_helpers import RECORDS
+from fba_helpers import RECORDS, fields_of
 from hypothesis import strategies as st
 from plain_dct import BASE_STEP, SCALE, PlainPayload, values
 
@@ -33,7 +33,7 @@ EDGES: Final = (
 def plain(value: object) -> object:
     """A record with its segments as nested lists and dicts, for comparison."""
     if isinstance(value, (*RECORDS, SegmentData, CoefficientRun)):
-        return {name: plain(getattr(value, name)) for name in value.__slots__}
+        return {name: plain(getattr(value, name)) for name in fields_of(value)}
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
     return value

@@ -8,6 +8,8 @@ ignores the value and returns what the bits say; the writers write it and return
 
 from __future__ import annotations
 
+from mypy_extensions import mypyc_attr
+
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..entropy.model import Model
@@ -24,6 +26,7 @@ END = 4  # the end of the data
 ZERO_PADDING = 5  # zero bits up to the end of the data
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SyntaxIO:
     """One syntax, many machines. Rules: CNF-7, CNF-21."""
 

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from mypy_extensions import mypyc_attr
+
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.sink import BitSink
 from ..entropy.kernel import GUARD_AFTER, segment_code, write_guarded
@@ -49,6 +51,7 @@ class _Cut(Exception):
     """The stream ends here."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class FaultyWriter(Writer):
     """A writer that passes what it should refuse, and breaks what it is told to break. Rules: CNF-6."""
 

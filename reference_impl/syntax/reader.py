@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from mypy_extensions import mypyc_attr
+
 from ..bitstream.cursor import MASKS, BitCursor, OutOfBits
 from ..bitstream.errors import MarkerBit, ReservedValue, Truncated
 from ..bitstream.findings import Finding
@@ -21,6 +23,7 @@ from .base import BARE_CODE, END, PLANE, STUFFED_CODE, STUFFED_END, ZERO_PADDING
 from .element import DEFAULT_READINGS, Element, Fault, Readings
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Reader(SyntaxIO):
     """Reads bits; the values passed in are ignored. Rules: CNF-7, CNF-21.
 

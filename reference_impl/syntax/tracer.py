@@ -12,6 +12,8 @@ from array import array
 from collections.abc import Callable, Iterator
 from typing import Final
 
+from mypy_extensions import mypyc_attr
+
 from ..bitstream.cursor import BitCursor, OutOfBits
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
@@ -74,6 +76,7 @@ class Trace:
             yield self.el(row), self.start[row], self.end[row], self.value[row], self.path_text(row)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Tracer(Reader):
     """A reader whose trace says what every bit was. Rules: CNF-17, CNF-21, FBA-21..27."""
 

@@ -5,6 +5,8 @@ Rules: FBA-3, FBA-25, FBA-26, FBA-41.
 
 from __future__ import annotations
 
+from mypy_extensions import mypyc_attr
+
 from ..bitstream.errors import EncodeError
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.sink import BitSink
@@ -20,6 +22,7 @@ from .element import DEFAULT_READINGS, Element, Fault, Readings
 _ZEROS_AT_ONCE = 1 << 16
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Writer(SyntaxIO):
     """Writes what the records say, and refuses what the syntax cannot hold. Rules: FBA-3, FBA-41.
 
