@@ -1,12 +1,14 @@
-"""A trace as text: one line per element, with bit span, raw bits, value, meaning and rule.
+"""A trace as text: one line per element, with bit span, bytes, value, meaning and rule.
 
 Rules: CNF-17, CNF-21, CNF-23, FBA-21..27 (symbols). The same as JSON is in `dump_json`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final
 
 from snhc.reference_impl.bitstream.errors import SnhcError
@@ -15,27 +17,32 @@ from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.entropy.literal import SegmentTrace
 from snhc.reference_impl.face.syntax import FBA_OBJECT_MASK
 from snhc.reference_impl.mesh.records import MeshPlane
-from snhc.reference_impl.systems.visual import PROFILE_AND_LEVEL, AnyPlane, profile_name
+from snhc.reference_impl.syntax.tracer import Trace
+from snhc.reference_impl.systems.visual import AnyPlane
 
+from .elements import meaning, number_text, settled_bits
+from .hexdump import WIDTH, hex_lines
 from .parts import Part, Parts, raw_bits
+from .query import Query, Subject
 from .tree import Node, build_tree
 
 SPAN_WIDTH: Final = 20
-RAW_WIDTH: Final = 18
-NAME_WIDTH: Final = 62
-# Longer elements show hexadecimal digits, or their first bits.
-BINARY_BITS: Final = 16
-LEVELS_WIDTH: Final = 44
+OFFSET_WIDTH: Final = 7
+NAME_WIDTH: Final = 56
+LEVELS_WIDTH: Final = 40
 BITS_PER_LINE: Final = 64
-BYTES_SHOWN: Final = 16
+# Lines of bytes that a long element shows; all of them only when asked for.
+LINES_SHOWN: Final = 4
 INDENT: Final = "  "
 
 _BOLD: Final = "\x1b[1m"
 _DIM: Final = "\x1b[2m"
 _RED: Final = "\x1b[31m"
+_GREEN: Final = "\x1b[32m"
 _YELLOW: Final = "\x1b[33m"
 _CYAN: Final = "\x1b[36m"
 _RESET: Final = "\x1b[0m"
+_OTHERS: Final = re.compile(r"[. ]+|'|\.\.\.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,52 +50,91 @@ class TreeOptions:
     """How the tree is shown. Rules: CNF-17.
 
     `depth`: levels below an item that are opened, None for all: 1 shows planes as one line each. `symbols`:
-    arithmetic segments symbol by symbol. `colour`: ANSI colours.
+    arithmetic segments symbol by symbol. `all_bytes`: long elements with all their bytes. `colour`: ANSI colours.
     """
 
     depth: int | None = None
     symbols: bool = False
+    all_bytes: bool = False
     colour: bool = False
 
 
-def dump_tree(parts: Parts, source: Source, options: TreeOptions | None = None) -> Iterator[str]:
+def dump_tree(
+    parts: Parts, source: Source, options: TreeOptions | None = None, query: Query | None = None
+) -> Iterator[str]:
     """The dump of a stream, line by line, each with its newline.
 
-    Rules: CNF-17, CNF-21, CNF-23. A fault stands in the last line; `parts.error` holds it.
+    Rules: CNF-17, CNF-21, CNF-23. A fault stands where it is, and behind it what it leaves unread; `parts.error` holds
+    it. `query`: no tree, but a line with its path for every element, plane and symbol that it takes.
     """
     printer = _Printer(source, options if options is not None else TreeOptions())
-    yield printer.line("bits", "raw", "element", "rule", _DIM)
+    yield printer.title()
     for part in parts:
-        yield from printer.part(part)
+        yield from printer.part(part) if query is None else printer.taken(part, query)
+    if query is not None:
+        return
+    gap = parts.unclaimed(source)
+    if gap is not None:
+        yield from printer.unclaimed(*gap)
 
 
 class _Printer:
     def __init__(self, source: Source, options: TreeOptions) -> None:
         self._source = source
         self._options = options
+        self._most = None if options.all_bytes else LINES_SHOWN
         self._pending: list[Finding] = []
 
     def _colour(self, text: str, code: str) -> str:
-        return f"{code}{text}{_RESET}" if self._options.colour and code else text
+        return f"{code}{text}{_RESET}" if self._options.colour and code and text else text
 
-    def line(self, span: str, raw: str, text: str, rule: str = "", code: str = "") -> str:
+    def title(self) -> str:
+        """The names of the columns."""
+        left = f"{'bits':<{SPAN_WIDTH}} {'byte':<{OFFSET_WIDTH}} {'data':<{WIDTH}} "
+        return self._colour(f"{left}{'element':<{NAME_WIDTH}} rule", _DIM) + "\n"
+
+    def line(
+        self, span: tuple[int, int] | None, data: tuple[int, str] | None, text: str, rule: str = "", code: str = ""
+    ) -> str:
+        """A line: `data` is a byte offset with digits."""
+        shown_span = f"[{span[0]}, {span[1]})" if span is not None else ""
+        offset, digits = (f"{data[0]:06x}", data[1]) if data is not None else ("", "")
+        name = f"{text:<{NAME_WIDTH}}" if rule else text
         # Colours come last: they must not count as width.
-        shown = f"{text:<{NAME_WIDTH}}" if rule else text
-        left = f"{span:<{SPAN_WIDTH}} {raw:<{RAW_WIDTH}} "
-        if code == _DIM:
-            return self._colour(f"{left}{shown} {rule}".rstrip(), code) + "\n"
-        out = self._colour(left, _DIM) + self._colour(shown, code) + (" " + self._colour(rule, _CYAN) if rule else "")
+        out = self._colour(f"{shown_span:<{SPAN_WIDTH}} {offset:<{OFFSET_WIDTH}} ", _DIM)
+        out += self._digits(digits, code) + " " * (WIDTH + 1 - len(digits))
+        out += self._colour(name, code) + (" " + self._colour(rule, _CYAN) if rule else "")
         return out.rstrip() + "\n"
 
+    def _digits(self, digits: str, code: str) -> str:
+        if not self._options.colour or not digits:
+            return digits
+        own = code if code in (_RED, _YELLOW) else _GREEN
+        # The bits of others, and the marks, are dim.
+        out, at = "", 0
+        for match in _OTHERS.finditer(digits):
+            out += self._colour(digits[at : match.start()], own) + self._colour(match[0], _DIM)
+            at = match.end()
+        return out + self._colour(digits[at:], own)
+
+    def lines(self, span: tuple[int, int], text: str, rule: str = "", code: str = "") -> Iterator[str]:
+        """A line with the data of its span, which may go on below it."""
+        data = hex_lines(self._source, *span, self._most)
+        first = next(data, None)
+        yield self.line(span, first[:2] if first is not None else None, text, rule, code)
+        for offset, digits, _ in data:
+            yield self.line(None, (offset, digits), "", "", code)
+
     def part(self, part: Part) -> Iterator[str]:
+        """The lines of a part."""
         tree = build_tree(part.trace)
         self._pending = sorted(part.findings, key=lambda finding: finding.bits[1] if finding.bits else 0)
         if part.opens:
-            yield self.line("", "", part.kind, code=_BOLD)
+            yield self.line(None, None, part.kind, code=_BOLD)
         if part.error is not None and len(part.trace) and part.trace.path[0] < 0:
             # The item failed in its own header: only its rows say what it is.
             name = part.trace.el(0).name.removesuffix("_start_code")
-            yield self.line("", "", name, code=_BOLD)
+            yield self.line(None, None, name, code=_BOLD)
         for child in tree.children:
             if isinstance(child, Node) and part.closes:
                 # Behind the last plane: the path counts on, but no plane is there.
@@ -97,6 +143,32 @@ class _Printer:
             else:
                 yield from self._child(part, child, 1)
         yield from self._findings(None, 1)
+        if part.error is not None:
+            yield self._error(part.error)
+
+    def taken(self, part: Part, query: Query) -> Iterator[str]:
+        """What of a part an expression takes, one after the other."""
+        trace = part.trace
+        if query.takes_plane(part, self._source):
+            plane = part.plane
+            assert plane is not None
+            count = plane.end - plane.start
+            text = f"plane[{part.plane_number}]: {plane_words(plane)}"
+            yield self.line((plane.start, plane.end), (plane.start >> 3, f"{count} bits"), text, code=_BOLD)
+        for row in range(len(trace)):
+            above = trace.path_text(row)
+            if query.takes_row(part, row, self._source):
+                element = trace.el(row)
+                text = f"{above}.{row_words(trace, row)}" if above else row_words(trace, row)
+                yield from self.lines((trace.start[row], trace.end[row]), text, element.rule)
+            segment = trace.segments.get(row)
+            if segment is None or not self._options.symbols:
+                continue
+            for number, span in enumerate(settled_bits(segment[0])):
+                subject = Subject(part, row, self._source, number, span)
+                if query(subject):
+                    text = f"{above}.{trace.el(row).name}: {segment[1][number]} = {segment[0].levels[number]}"
+                    yield from self.lines(span, text, "FBA-23")
         if part.error is not None:
             yield self._error(part.error)
 
@@ -110,10 +182,8 @@ class _Printer:
         if level == 1 and part.plane is not None:
             title += f": {plane_words(part.plane)}"
         count = child.end - child.start
-        yield self.line(
-            f"[{child.start}, {child.end})", f"{count} bit{'s' if count != 1 else ''}", INDENT * level + title,
-            code=_BOLD,
-        )  # fmt: skip
+        digits = f"{count} bit{'s' if count != 1 else ''}"
+        yield self.line((child.start, child.end), (child.start >> 3, digits), INDENT * level + title, code=_BOLD)
         if depth is not None and level >= depth:
             yield from self._findings(child.end, level + 1)
             return
@@ -123,63 +193,47 @@ class _Printer:
     def _row(self, part: Part, row: int, level: int) -> Iterator[str]:
         trace = part.trace
         element = trace.el(row)
-        start, end, value = trace.start[row], trace.end[row], trace.value[row]
-        span = f"[{start}, {end})"
+        span = trace.start[row], trace.end[row]
         indent = INDENT * level
-        segment = trace.segments.get(row)
-        if segment is not None:
-            steps, labels = segment
-            yield self.line(span, self._raw(start, end), f"{indent}{element.name} = {_levels(steps)}", element.rule)
-            if self._options.symbols:
-                yield from self._symbols(steps, labels, level + 1)
-            else:
-                for position, bit in steps.guards:
-                    yield self.line(f"[{position}, {position + 1})", str(bit), f"{indent}{INDENT}guard", "FBA-25")
-            return
+        text = indent + row_words(trace, row)
         if row in trace.blobs:
-            raw = self._source.read_at(start >> 3, BYTES_SHOWN).hex(" ") if end > start else ""
-            more = " ..." if end - start > 8 * BYTES_SHOWN else ""
-            text = f"{indent}{element.name} = {(end - start) >> 3} bytes"
-            yield self.line(span, "", text, element.rule)
-            if raw:
-                yield self.line("", "", f"{indent}{INDENT}{raw[: 3 * ((end - start) >> 3)].strip()}{more}")
+            yield self.line(span, None, text, element.rule)
+            for offset, digits, characters in hex_lines(self._source, *span, self._most):
+                yield self.line(None, (offset, digits), f"{indent}{INDENT}|{characters}|")
             return
-        if end - start > BITS_PER_LINE:
-            yield self.line(span, "", f"{indent}{element.name} = {end - start} bits", element.rule)
+        yield from self.lines(span, text, element.rule)
+        segment = trace.segments.get(row)
+        if segment is None:
             return
-        words = profile_name(value) if element is PROFILE_AND_LEVEL else element.meaning.get(value, "")
-        shown = f"0x{value:08x}" if end - start == 32 and element.name.endswith("_code") else str(value)
-        text = f"{indent}{element.name} = {shown}" + (f" ({words})" if words else "")
-        yield self.line(span, self._raw(start, end), text, element.rule)
+        steps, labels = segment
+        if self._options.symbols and steps.steps:
+            yield from self._symbols(steps, labels, level + 1)
+        else:
+            yield from self._guards(steps, indent + INDENT)
 
-    def _raw(self, start: int, end: int) -> str:
-        width = end - start
-        if width <= BINARY_BITS:
-            return raw_bits(self._source, start, end)
-        if width <= 32 and width % 4 == 0:
-            return f"0x{int(raw_bits(self._source, start, end), 2):0{width // 4}x}"
-        return raw_bits(self._source, start, start + BINARY_BITS) + ".."
+    def _guards(self, segment: SegmentTrace, indent: str) -> Iterator[str]:
+        for position, _ in segment.guards:
+            yield from self.lines((position, position + 1), f"{indent}guard", "FBA-25")
 
     def _symbols(self, segment: SegmentTrace, labels: list[str], level: int) -> Iterator[str]:
         indent = INDENT * level
         bits = raw_bits(self._source, segment.start, segment.end)
         for at in range(0, len(bits), BITS_PER_LINE):
-            span = f"[{segment.start + at}, {segment.start + min(at + BITS_PER_LINE, len(bits))})"
-            yield self.line(span, "", indent + bits[at : at + BITS_PER_LINE])
-        for position, bit in segment.guards:
-            yield self.line(f"[{position}, {position + 1})", str(bit), f"{indent}guard", "FBA-25")
+            span = segment.start + at, segment.start + min(at + BITS_PER_LINE, len(bits))
+            yield self.line(span, None, indent + bits[at : at + BITS_PER_LINE])
+        yield from self._guards(segment, indent)
         width = max((len(label) for label in labels), default=0)
-        yield self.line("", "", indent + symbol_titles(width), code=_DIM)
-        for step, label in zip(segment.steps, labels, strict=True):
+        yield self.line(None, None, indent + symbol_titles(width), code=_DIM)
+        for step, label, span in zip(segment.steps, labels, settled_bits(segment), strict=True):
             total = f"{step.total}" + ("*" if step.rescaled else "")
             yield self.line(
-                "", "",
+                span if span[0] < span[1] else None, None,
                 f"{indent}{label:<{width}} {step.level:>6} {'P' if step.adaptive else 'I':>5} {step.low:>6} "
                 f"{step.high:>6} {step.code_value:>6} {step.c:>6} {step.cum_low:>6} {step.cum_high:>6} {total:>7} "
                 f"{step.bits_before:>6} {step.shifts:>6}",
             )  # fmt: skip
         if any(step.rescaled for step in segment.steps):
-            yield self.line("", "", f"{indent}* the frequencies were halved before the update", "FBA-24")
+            yield self.line(None, None, f"{indent}* the frequencies were halved before the update", "FBA-24")
 
     def _findings(self, upto: int | None, level: int) -> Iterator[str]:
         while self._pending:
@@ -187,13 +241,32 @@ class _Printer:
             if upto is not None and finding.bits is not None and finding.bits[1] > upto:
                 return
             self._pending.pop(0)
-            span = f"[{finding.bits[0]}, {finding.bits[1]})" if finding.bits is not None else ""
             text = f"{INDENT * level}! {finding.severity} {finding.id}: {finding.message}"
-            yield self.line(span, "", text, finding.rule, _YELLOW)
+            yield self.line(finding.bits, None, text, finding.rule, _YELLOW)
 
     def _error(self, error: SnhcError) -> str:
-        span = f"[{error.bits[0]}, {error.bits[1]})" if error.bits is not None else ""
-        return self.line(span, "", f"error: {error}", code=_RED)
+        span = error.bits
+        data = next(hex_lines(self._source, *span, 1), None) if span is not None else None
+        return self.line(span, data[:2] if data else None, f"error: {error}", code=_RED)
+
+    def unclaimed(self, start: int, end: int) -> Iterator[str]:
+        """The bits that the fault leaves unread."""
+        yield from self.lines((start, end), f"unclaimed: {end - start} bits from the fault to the end", code=_YELLOW)
+
+
+def row_words(trace: Trace, row: int) -> str:
+    """`fba_object_mask = 1 (FAP data)`. Rules: CNF-17, CNF-21."""
+    element = trace.el(row)
+    width, value = trace.end[row] - trace.start[row], trace.value[row]
+    segment = trace.segments.get(row)
+    if segment is not None:
+        return f"{element.name} = {_levels(segment[0])}"
+    if row in trace.blobs:
+        return f"{element.name} = {width >> 3} bytes"
+    if width > BITS_PER_LINE:
+        return f"{element.name} = {width} bits"
+    words = meaning(element, value)
+    return f"{element.name} = {number_text(element, value, width)}" + (f" ({words})" if words else "")
 
 
 def symbol_titles(width: int) -> str:
@@ -218,10 +291,10 @@ def plane_words(plane: AnyPlane) -> str:
 
 
 def _levels(segment: SegmentTrace) -> str:
-    count = len(segment.steps)
+    count = len(segment.levels)
     text = f"{count} symbol{'s' if count != 1 else ''}:"
-    for shown, step in enumerate(segment.steps):
+    for shown, level in enumerate(segment.levels):
         if len(text) > LEVELS_WIDTH:
             return f"{text} ... ({count - shown} more)"
-        text += f" {step.level}"
+        text += f" {level}"
     return text

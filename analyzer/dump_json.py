@@ -8,7 +8,7 @@ One part per line, written as it is traced; the document is valid JSON also wher
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -16,9 +16,11 @@ from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.entropy.literal import SegmentTrace
 from snhc.reference_impl.mesh.records import MeshPlane
 from snhc.reference_impl.systems.stream import Options
-from snhc.reference_impl.systems.visual import PROFILE_AND_LEVEL, TRAILING, AnyPlane, profile_name
+from snhc.reference_impl.systems.visual import TRAILING, AnyPlane
 
+from .elements import meaning
 from .parts import BOUNDARIES, Part, Parts, raw_bits
+from .query import Query
 
 VERSION: Final = 1
 SCHEMA: Final = Path(__file__).with_name("dump.schema.json")
@@ -27,36 +29,57 @@ _CHUNK: Final = 1 << 15
 _LONGEST_RAW: Final = 16384
 
 
-def dump_json(parts: Parts, source: Source, options: Options, symbols: bool = False) -> Iterator[str]:
+def dump_json(
+    parts: Parts, source: Source, options: Options, symbols: bool = False, query: Query | None = None
+) -> Iterator[str]:
     """The dump as pieces of one JSON document; `symbols`: also every arithmetic symbol.
 
-    Rules: CNF-17, CNF-25. `parts.error` holds the fault that ended it.
+    Rules: CNF-17, CNF-25. `query`: only the elements that it takes. `parts.error` holds the fault that ended it.
     """
+    wanted = parts.selection
     head = {
         "format": "snhc-dump",
         "version": VERSION,
         "compat": "draft" if options.draft else None,
         "strict": options.strict,
         "readings": options.readings.chosen,
+        "entropy_profile": options.profile.name if options.profile is not None else None,
+        "planes": [wanted.first, wanted.last] if wanted is not None else None,
+        "object": wanted.object_number if wanted is not None else None,
+        "query": query.text if query is not None else None,
     }
-    yield json.dumps(head)[:-1] + ', "parts": ['
+    yield json.dumps(head, ensure_ascii=False)[:-1] + ', "parts": ['
     separator = "\n"
     for part in parts:
+        rows: Iterable[int] = range(len(part.trace))
+        if query is not None:
+            rows = [row for row in rows if query.takes_row(part, row, source)]
+            if not rows and not query.takes_plane(part, source):
+                continue
         yield separator
-        yield from _part(part, source, symbols)
+        yield from _part(part, rows, source, symbols)
         separator = ",\n"
     error = parts.error.as_json() if parts.error is not None else None
-    yield f'\n], "error": {json.dumps(error, ensure_ascii=False)}}}\n'
+    gap = parts.unclaimed(source)
+    yield f'\n], "error": {json.dumps(error, ensure_ascii=False)}, "unclaimed": '
+    if gap is None or query is not None:
+        yield "null}\n"
+        return
+    start, end = gap
+    aligned = -(-start // 8) * 8
+    yield f'{{"bits": [{start}, {end}], "raw": "{raw_bits(source, start, aligned)}", "bytes": "'
+    yield from _hex(source, aligned >> 3, end >> 3)
+    yield '"}}\n'
 
 
-def _part(part: Part, source: Source, symbols: bool) -> Iterator[str]:
+def _part(part: Part, rows: Iterable[int], source: Source, symbols: bool) -> Iterator[str]:
     fields: dict[str, object] = {"item": part.item_number, "kind": part.kind or None}
     if part.plane is not None:
         fields["plane"] = _plane(part.plane, part.plane_number)
     fields["findings"] = [finding.as_json() for finding in part.findings]
     yield json.dumps(fields, ensure_ascii=False)[:-1] + ', "elements": ['
     separator = ""
-    for row in range(len(part.trace)):
+    for row in rows:
         yield separator
         yield from _element(part, row, source, symbols)
         separator = ", "
@@ -92,8 +115,7 @@ def _element(part: Part, row: int, source: Source, symbols: bool) -> Iterator[st
     if row in trace.blobs or element is TRAILING:
         # Read from the source again, piece by piece: bytes behind the end may be many.
         yield json.dumps(fields)[:-1] + ', "bytes": "'
-        for at in range(start >> 3, end >> 3, _CHUNK):
-            yield source.read_at(at, min(_CHUNK, (end >> 3) - at)).hex()
+        yield from _hex(source, start >> 3, end >> 3)
         yield '"}'
         return
     if end - start <= _LONGEST_RAW:
@@ -101,17 +123,24 @@ def _element(part: Part, row: int, source: Source, symbols: bool) -> Iterator[st
     segment = trace.segments.get(row)
     if segment is None:
         fields["value"] = value
-        words = profile_name(value) if element is PROFILE_AND_LEVEL else element.meaning.get(value, "")
+        words = meaning(element, value)
         if words:
             fields["meaning"] = words
     else:
         steps, labels = segment
         fields["labels"] = labels
-        fields["levels"] = [step.level for step in steps.steps]
+        fields["levels"] = list(steps.levels)
         fields["guards"] = [position for position, _ in steps.guards]
+        if steps.tail:
+            fields["tail"] = steps.tail
         if symbols:
             fields["symbols"] = _symbols(steps)
     yield json.dumps(fields, ensure_ascii=False)
+
+
+def _hex(source: Source, first: int, last: int) -> Iterator[str]:
+    for at in range(first, last, _CHUNK):
+        yield source.read_at(at, min(_CHUNK, last - at)).hex()
 
 
 def _symbols(segment: SegmentTrace) -> list[dict[str, object]]:

@@ -89,17 +89,20 @@ class Parts:
 
     def __init__(self, parts: Iterator[TracePart], selection: Selection | None = None) -> None:
         self._parts = parts
-        self._selection = selection
+        self.selection = selection
         self._first = next(parts, None)
         self.error: SnhcError | None = None
+        self._end = 0
         if self._first is not None and isinstance(self._first.error, InputFormat):
             raise self._first.error
 
     def __iter__(self) -> Iterator[Part]:
-        wanted = self._selection
+        wanted = self.selection
         for part, object_number in self._numbered():
             if part.error is not None:
                 self.error = part.error
+            if len(part.trace):
+                self._end = part.trace.end[-1]
             if wanted is None or part.error is not None:
                 yield part
             elif object_number == wanted.object_number and part.plane is not None:
@@ -107,6 +110,14 @@ class Parts:
                     yield part
                 if wanted.last is not None and part.plane_number + 1 >= wanted.last:
                     return
+
+    def unclaimed(self, source: Source) -> tuple[int, int] | None:
+        """The bits that no row claims because a fault ended the trace; None without one, or where none are left.
+
+        Rules: CNF-17, CNF-21. Together with all rows they partition the data.
+        """
+        end = 8 * source.size() if self.error is not None else 0
+        return (self._end, end) if end > self._end else None
 
     def _numbered(self) -> Iterator[tuple[Part, int]]:
         item_number = object_number = plane_number = -1

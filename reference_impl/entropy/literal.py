@@ -48,18 +48,20 @@ class SymbolStep:
 
 @dataclass(frozen=True, slots=True)
 class SegmentTrace:
-    """A decoded segment: its steps, guards and end.
+    """A decoded segment: its levels, steps, guards and end.
 
-    Rules: FBA-25, FBA-26. `guards`: (absolute bit position, value) of the guards before the end position. `tail`:
-    how the last two data bits differ from an encoder's, 0 normally. `ahead`: the guards met behind the end position,
-    among the bits that the coder looks ahead at; their values do not count. `past_end`: the look-ahead met the end of
-    the data, where zeros are read (FBA-27).
+    Rules: FBA-25, FBA-26. `steps`: one per level, or none where nobody asked for them. `guards`: (absolute bit
+    position, value) of the guards before the end position. `tail`: how the last two data bits differ from an
+    encoder's, 0 normally. `ahead`, `past_end`, only with steps: the guards met behind the end position, among the
+    bits that the coder looks ahead at, whose values do not count; and whether the look-ahead met the end of the data,
+    where zeros are read (FBA-27).
     """
 
     start: int
     end: int
     steps: tuple[SymbolStep, ...]
     guards: tuple[tuple[int, int], ...]
+    levels: tuple[int, ...]
     tail: int = 0
     ahead: tuple[tuple[int, int], ...] = ()
     past_end: bool = False
@@ -165,8 +167,9 @@ class LiteralDecoder:
         guards = tuple((position, value) for position, value in self._guards if position < end)
         # An encoder ends on 01 where low lies below the first quarter, else on 10 (FBA-26).
         wanted = 0b01 if self._low < Q1 else 0b10
+        levels = tuple([step.level for step in steps])
         return SegmentTrace(
-            self._start, end, tuple(steps), guards, self._code_value // Q1 - wanted,
+            self._start, end, tuple(steps), guards, levels, self._code_value // Q1 - wanted,
             tuple(self._guards[len(guards) :]), self._size >= 0,
         )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The tracer: a reader that writes down every element, and decodes segments with the literal coder.
+"""The tracer: a reader that writes down every element, and can decode segments with the literal coder.
 
 Rules: CNF-17, CNF-21, FBA-21..27. Law: the spans of a trace partition the bits that were read.
 
@@ -17,6 +17,7 @@ from mypy_extensions import mypyc_attr
 from ..bitstream.cursor import BitCursor, OutOfBits
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..entropy.kernel import GUARD_AFTER
 from ..entropy.literal import SegmentTrace, decode_literally
 from ..entropy.model import Model
 from ..entropy.prefix import PrefixTable
@@ -25,6 +26,7 @@ from .element import DEFAULT_READINGS, ELEMENTS, STEPS, Element, Readings, Step
 from .reader import Reader
 
 ROOT: Final = -1
+_ZEROS: Final = "0" * GUARD_AFTER
 
 
 class Trace:
@@ -78,7 +80,11 @@ class Trace:
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Tracer(Reader):
-    """A reader whose trace says what every bit was. Rules: CNF-17, CNF-21, FBA-21..27."""
+    """A reader whose trace says what every bit was.
+
+    Rules: CNF-17, CNF-21, FBA-21..27. `symbols`: segments are decoded by the literal coder, and its steps are kept;
+    without, by the reader's own, about four times as fast.
+    """
 
     def __init__(
         self,
@@ -91,6 +97,7 @@ class Tracer(Reader):
         on_finding: Callable[[Finding], None] | None = None,
         collect: bool = False,
         profile: EntropyProfile | None = None,
+        symbols: bool = True,
     ) -> None:
         super().__init__(
             cursor,
@@ -102,6 +109,7 @@ class Tracer(Reader):
             collect=collect,
             profile=profile,
         )
+        self.symbols = symbols
         self.trace = Trace()
         self._here = ROOT
         self._interned: dict[tuple[int, int, int], int] = {}
@@ -160,6 +168,13 @@ class Tracer(Reader):
 
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         start = self.cursor.tell()
+        if not self.symbols:
+            levels = super().segment(el, models, labels, v, tail)
+            end = self.cursor.tell()
+            segment = SegmentTrace(start, end, (), self._guards(start, end), tuple(levels), self.tail)
+            self.trace.segments[len(self.trace)] = (segment, labels)
+            self._row(el, start, end, len(models))
+            return levels
         try:
             segment = decode_literally(self.cursor, models)
         except OutOfBits:
@@ -170,7 +185,21 @@ class Tracer(Reader):
         self.tail = segment.tail
         self.trace.segments[len(self.trace)] = (segment, labels)
         self._row(el, start, segment.end, len(models))
-        return [step.level for step in segment.steps]
+        return list(segment.levels)
+
+    def _guards(self, start: int, end: int) -> tuple[tuple[int, int], ...]:
+        """The guards of a good segment: the bit behind every 22 zero bits."""
+        first = start >> 3
+        data = self.cursor.source.read_at(first, ((end + 7) >> 3) - first)
+        if 0 not in data:
+            return ()
+        bits = format(int.from_bytes(data, "big"), f"0{8 * len(data)}b")[start & 7 : end - (first << 3)]
+        found: list[tuple[int, int]] = []
+        at = bits.find(_ZEROS)
+        while 0 <= at < len(bits) - GUARD_AFTER:
+            found.append((start + at + GUARD_AFTER, 1))
+            at = bits.find(_ZEROS, at + GUARD_AFTER + 1)
+        return tuple(found)
 
     def raw(self, el: Element, count: int, v: bytes) -> bytes:
         start = self.cursor.tell()

@@ -202,10 +202,12 @@ class TracePart:
     error: SnhcError | None = None
 
 
-def trace_stream(source: Source | bytes, options: Options = DEFAULT_OPTIONS) -> Iterator[TracePart]:
+def trace_stream(
+    source: Source | bytes, options: Options = DEFAULT_OPTIONS, *, symbols: bool = True
+) -> Iterator[TracePart]:
     """The trace of a whole stream, part by part; a fault ends it and stands in the last part.
 
-    Rules: CNF-17, CNF-21. Memory does not grow with the stream.
+    Rules: CNF-17, CNF-21. Memory does not grow with the stream. `symbols`: as in `Tracer`.
     """
     findings: list[Finding] = []
     io = Tracer(
@@ -216,6 +218,7 @@ def trace_stream(source: Source | bytes, options: Options = DEFAULT_OPTIONS) -> 
         strict=options.strict,
         on_finding=findings.append,
         profile=options.profile,
+        symbols=symbols,
     )
     item: StreamItem | None = None
     plane: AnyPlane | None = None
