@@ -146,7 +146,9 @@ FIELDS: Final[dict[str, Field]] = {
     "intra": Field("bool", "whether the plane is intra", lambda of: bool(of.part.plane and of.part.plane.is_intra)),
     "time": Field("double", "seconds of the plane's first frame, -1 outside planes", _time),
     "item": Field("int", "number of the item of the stream, from 0", lambda of: of.part.item_number),
-    "object": Field("string", "kind of the item: `fba_object`, `mesh_object`, `user_data`, ...", lambda of: of.part.kind),
+    "object": Field(
+        "string", "kind of the item: `fba_object`, `mesh_object`, `user_data`, ...", lambda of: of.part.kind
+    ),
 }
 
 

@@ -17,7 +17,7 @@ import click
 # Name -> what the list of verbs says; the same words begin the verb's own help.
 VERBS: Final = {
     "decode": "Decode a face or mesh stream to frames.",
-    "encode": "Encode FAP text, a mesh document or pictures as a stream.",
+    "encode": "Encode FAP text, a mesh document, pictures or a dump as a stream.",
     "render": "Draw a face or mesh stream as a picture or an animation.",
     "fit": "Fill frames by a FAP interpolation table.",
     "fat": "Move a model by its face animation tables.",

@@ -138,11 +138,12 @@ def command(
     no_end_code: bool,
     common: Common,
 ) -> None:
-    """Encode FAP text, a mesh document or pictures as a stream.
+    """Encode FAP text, a mesh document, pictures or a dump as a stream.
 
-    FILE is .fap text, a mesh document (JSON, or the NDJSON that decode writes), or one of the pictures of a sequence;
-    - for standard input. What it is is told by its content. A mesh is designed for the first picture and tracked over
-    the others; how well the first one stands for them is reported in dB.
+    FILE is .fap text, a mesh document (JSON, or the NDJSON that decode writes), one of the pictures of a sequence, or
+    the JSON of `snhc dump`, which gives the dumped bytes again, or what its edited values say; - for standard input.
+    What it is is told by its content. A mesh is designed for the first picture and tracked over the others; how well
+    the first one stands for them is reported in dB.
     """
     if common.output in (None, "-") and sys.stdout.isatty():
         raise click.UsageError("a stream is not for terminals; give -o FILE")

@@ -46,10 +46,16 @@ def kind_of(head: bytes) -> str:
 
 
 def encode_meshes(kind: str, first: bytes, files: Sequence[str], options: MeshOptions, common: Common) -> None:
-    """Encode a mesh document, or pictures of which `first` is the first. Rules: CNF-19, MSH-23."""
+    """Encode a dump, a mesh document, or pictures of which `first` is the first. Rules: CNF-19, CNF-25, MSH-23."""
     from snhc.reference_impl.systems.stream import write_stream
 
     with Output(common.output, common.keep_partial) as out:
+        if kind == "document":
+            from snhc.analyzer.dump_encode import encode_dump, is_dump
+
+            if is_dump(first):
+                out.write(encode_dump(first, limits=common.limits, profile=common.entropy_profile()))
+                return
         items = _document(first, options, common) if kind == "document" else _pictures(first, files, options, common)
         out.write(write_stream(items))
 

@@ -112,6 +112,23 @@ def test_trace(benchmark: Benchmark) -> None:
     benchmark(lambda: sum(len(part.trace) for part in trace_stream(data)))
 
 
+def test_trace_a_million_elements(benchmark: Benchmark) -> None:
+    """Fields and levels into columns, no symbol shown: at most 5 s, also interpreted."""
+    data = small_residuals(15_000)
+
+    def run() -> int:
+        return sum(
+            len(part.trace) + sum(len(segment.levels) for segment, _ in part.trace.segments.values())
+            for part in trace_stream(data, symbols=False)
+        )
+
+    elements = benchmark.pedantic(run, rounds=3)
+    benchmark.extra_info["elements"] = elements
+    assert elements > 1_000_000
+    # Without --benchmark-only nothing is timed.
+    assert benchmark.stats is None or benchmark.stats.stats.min < 5
+
+
 def test_trace_of_headers(benchmark: Benchmark) -> None:
     """Intra planes of masks and range lists, with hardly a symbol."""
     make = Planes(Random(1))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,9 @@ import jsonschema
 import pytest
 
 from snhc.analyzer.dump import TreeOptions, dump_tree
+from snhc.analyzer.dump_csv import dump_csv
 from snhc.analyzer.dump_json import SCHEMA, dump_json
+from snhc.analyzer.elements import settled_bits
 from snhc.analyzer.parts import Part, Parts, Selection
 from snhc.analyzer.tree import Node, build_tree
 from snhc.reference_impl.bitstream.errors import InputFormat
@@ -68,12 +72,14 @@ def test_the_spans_partition_what_was_read(path: Path) -> None:
         for row in range(len(part.trace)):
             assert part.trace.start[row] == at
             at = part.trace.end[row]
+    gap = parts.unclaimed(BytesSource(data))
     if parts.error is None:
         assert at == 8 * len(data)
+        assert gap is None
     else:
         # A relation can be at fault in an element before the last one, a guard inside the one that failed.
         assert parts.error.bits is not None
-        assert at <= 8 * len(data)
+        assert (gap or (at, at)) == (at, 8 * len(data))
 
 
 @pytest.mark.parametrize("path", STREAMS, ids=lambda path: path.parent.name)
@@ -88,10 +94,12 @@ def test_json_is_valid_and_holds_the_stream(path: Path) -> None:
         for element in elements_of(document)
     )
     everything = f"{int.from_bytes(b'1' + data, 'big'):b}"[6:]
-    if document["error"] is None:
-        assert bits == everything
-    else:
-        assert everything.startswith(bits)
+    gap = document["unclaimed"]
+    if gap is not None:
+        assert document["error"] is not None
+        assert gap["bits"] == [len(bits), len(everything)]
+        bits += gap["raw"] + f"{int('1' + gap['bytes'], 16):b}"[1:]
+    assert bits == everything
 
 
 def leaves(part: Part) -> list[int]:
@@ -130,7 +138,7 @@ def test_text_shows_spans_bits_values_meanings_and_rules() -> None:
     assert line.split(None, 2)[:2] == ["[33,", "35)"]
     assert "fba_object_mask = 1 (FAP data)" in line
     assert line.endswith("FBA-5")
-    assert " 01 " in line
+    assert " .01..... " in line
     assert any("plane[1]: inter, FAP data, time 1/25 s" in line and line.startswith("[246, 270)") for line in lines)
     assert any("fap_segment = 2 symbols: 0 11" in line for line in lines)
 
@@ -151,8 +159,10 @@ def test_findings_stand_in_place() -> None:
 def test_an_error_stands_at_the_end_behind_its_elements() -> None:
     cut = WORKED[:32]
     lines = text_of(cut).splitlines()
-    assert "error: Truncated: fap_segment at bits [250, 256)" in lines[-1]
-    assert "skip_frames = 0" in lines[-2]
+    assert "error: Truncated: fap_segment at bits [250, 256)" in lines[-2]
+    assert "skip_frames = 0" in lines[-3]
+    assert lines[-1].startswith("[250, 256)")
+    assert lines[-1].endswith("unclaimed: 6 bits from the fault to the end")
     document = document_of(cut)
     validator().validate(document)
     assert document["error"]["class"] == "Truncated"
@@ -164,7 +174,7 @@ def test_an_error_stands_at_the_end_behind_its_elements() -> None:
 def test_an_error_in_a_header_names_its_item() -> None:
     lines = text_of(bytes.fromhex("000001b580")).splitlines()
     assert lines[1].strip() == "visual_object"
-    assert "error: ReservedValue: visual_object_priority=0" in lines[-1]
+    assert "error: ReservedValue: visual_object_priority=0" in lines[-2]
 
 
 def test_no_visual_stream_is_refused_before_any_output() -> None:
@@ -264,3 +274,73 @@ def test_padding_takes_no_room() -> None:
     assert last["bits"] == [302, 8 * len(padded)]
     assert "raw" not in last
     assert len(json.dumps(document)) < 60_000
+
+
+def test_bytes_stand_beside_the_tree_bit_by_bit() -> None:
+    """Bits are shown once, by the element that they belong to, in their place in their byte."""
+    shown: dict[int, str] = {}
+    for line in text_of(WORKED, all_bytes=True).splitlines()[1:]:
+        match = re.match(r"\[(\d+), (\d+)\) +([0-9a-f]{6}) +([01. ]{8,26})  ", line)
+        if match is None:
+            continue
+        first = 8 * int(match[3], 16)
+        for at, digit in enumerate(match[4].rstrip().replace(" ", "")):
+            if digit in "01":
+                assert first + at not in shown
+                shown[first + at] = digit
+        assert sum(digit in "01" for digit in match[4]) == int(match[2]) - int(match[1])
+    bits = f"{int.from_bytes(WORKED, 'big'):0{8 * len(WORKED)}b}"
+    assert len(shown) > 60
+    assert all(bits[at] == digit for at, digit in shown.items())
+
+
+def test_shared_bytes_of_long_elements_are_marked_and_long_ones_cut() -> None:
+    # The segment of the third plane, 20 bits: its first byte is shared with what stands before it.
+    line = next(line for line in text_of(WORKED).splitlines() if line.startswith("[282, 302)") and "segment" in line)
+    assert "  'a0 0a e5'  " in line
+    long = WORKED + bytes(range(200))
+    assert len(text_of(long).splitlines()) + 21 == len(text_of(long, all_bytes=True).splitlines())
+    assert "|18 19" not in text_of(long)
+    assert " 1e ..." in text_of(long)
+    assert " 1e ..." not in text_of(long, all_bytes=True)
+    assert "|01234567|" in text_of(long, all_bytes=True)
+
+
+def test_symbols_settle_the_bits_of_their_segment() -> None:
+    """In order, without a gap, and all but the last two: those end the segment (FBA-26)."""
+    seen = 0
+    for path in STREAMS[:40]:
+        for part in parts_of(path.read_bytes()):
+            for segment, _ in part.trace.segments.values():
+                at = segment.start
+                for start, end in settled_bits(segment):
+                    assert (start, end >= start) == (at, True)
+                    at = end
+                guards = sum(position >= at for position, _ in segment.guards)
+                assert segment.end - at == 2 + guards
+                seen += len(segment.guards)
+    assert seen > 100
+
+
+@pytest.mark.parametrize("path", STREAMS[::3], ids=lambda path: path.parent.name)
+def test_a_trace_without_symbols_is_the_same_but_for_them(path: Path) -> None:
+    data = path.read_bytes()
+    pairs = zip(trace_stream(data), trace_stream(data, symbols=False), strict=True)
+    for literal, fast in pairs:
+        assert list(literal.trace.rows()) == list(fast.trace.rows())
+        assert str(literal.error) == str(fast.error)
+        for row, (segment, labels) in literal.trace.segments.items():
+            assert fast.trace.segments[row] == (replace(segment, steps=()), labels)
+
+
+def test_csv_has_every_bit_once() -> None:
+    rows = list(csv.DictReader("".join(dump_csv(parts_of(WORKED), BytesSource(WORKED))).splitlines()))
+    assert "".join(row["raw"] for row in rows) == f"{int.from_bytes(WORKED, 'big'):0{8 * len(WORKED)}b}"
+    mask = next(row for row in rows if row["element"] == "fba_object_mask")
+    assert (mask["plane"], mask["path"], mask["value"], mask["meaning"]) == ("0", "plane[0]", "1", "FAP data")
+    assert next(row for row in rows if row["kind"] == "segment")["levels"] == "25 -20"
+    symbols = "".join(dump_csv(parts_of(WORKED), BytesSource(WORKED), symbols=True))
+    assert "FAP 48 head_pitch,symbol," in symbols
+    cut = WORKED[:32]
+    last = "".join(dump_csv(parts_of(cut), BytesSource(cut))).splitlines()[-1]
+    assert last.startswith(",,,,unclaimed,unclaimed,250,256,6,")
