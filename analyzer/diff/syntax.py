@@ -146,7 +146,7 @@ def diff_syntax(
     result. Memory does not grow with the streams. Raises InputFormat where one is no stream at all.
     """
     found = SyntaxDiff()
-    left, right = Parts(trace_stream(a, options)), Parts(trace_stream(b, options))
+    left, right = (Parts(trace_stream(source, options, symbols=False)) for source in (a, b))
     for x, y in pairs(_places(left), _places(right), _by_number if align == NUMBER else _by_time):
         if x is not None:
             found.bits_a = max(found.bits_a, x.end)
@@ -257,8 +257,8 @@ def _elements(part: Part, source: Source) -> dict[_Key, tuple[str, int | str, Sp
             put(path, element.name, element.rule, trace.value[row] if blob is None else _hex(blob), span)
             continue
         steps, labels = segment
-        for label, step in zip(labels, steps.steps, strict=True):
-            put(f"{path}.{element.name}" if path else element.name, label, element.rule, step.level, span)
+        for label, level in zip(labels, steps.levels, strict=True):
+            put(f"{path}.{element.name}" if path else element.name, label, element.rule, level, span)
         # Levels alike, bits not: an end of the segment that no encoder writes.
         if steps.tail:
             put(path, element.name, element.rule, raw_bits(source, span[1] - 2, span[1]), (span[1] - 2, span[1]))

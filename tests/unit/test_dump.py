@@ -330,7 +330,7 @@ def test_a_trace_without_symbols_is_the_same_but_for_them(path: Path) -> None:
         assert list(literal.trace.rows()) == list(fast.trace.rows())
         assert str(literal.error) == str(fast.error)
         for row, (segment, labels) in literal.trace.segments.items():
-            assert fast.trace.segments[row] == (replace(segment, steps=()), labels)
+            assert fast.trace.segments[row] == (replace(segment, steps=(), ahead=(), past_end=False), labels)
 
 
 def test_csv_has_every_bit_once() -> None:
