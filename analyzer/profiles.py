@@ -79,7 +79,8 @@ class LevelReport:
     """A stream against a profile and level.
 
     Rules: SYS-8, SYS-10. `signalled`: the indication of the first sequence, None without one. `checked`: what the
-    stream was held against, None where that is no known profile. `asked`: it was asked for, not signalled.
+    stream was held against, None where that is no known profile. `asked`: it was asked for, not signalled. `outside`:
+    there is data of a tool that what was checked does not contain.
     """
 
     signalled: int | None
@@ -87,12 +88,13 @@ class LevelReport:
     asked: bool
     criteria: tuple[Criterion, ...]
     findings: tuple[Finding, ...]
+    outside: bool
 
     @property
     def verdict(self) -> str:
         """`fail` where a criterion fails or a tool lies outside; not_checked where a limit is unknown; else `pass`."""
         verdicts = {criterion.verdict for criterion in self.criteria}
-        if FAIL in verdicts or any(finding.severity == "error" for finding in self.findings):
+        if FAIL in verdicts or self.outside:
             return FAIL
         return NOT_CHECKED if NOT_CHECKED in verdicts else PASS
 
@@ -155,7 +157,13 @@ def check_profile(
     Rules: SYS-8..12. `on_finding` gets what reading the stream finds; what only this check finds stands in the report.
     Memory grows with the number of planes only. Raises what ends the stream.
     """
-    io = reader(source, options, on_finding)
+    in_stream: list[str] = []
+
+    def found(finding: Finding) -> None:
+        in_stream.append(finding.id)
+        on_finding(finding)
+
+    io = reader(source, options, found)
     objects: list[_Object] = []
     signalled: int | None = None
     current: StreamItem | None = None
@@ -179,9 +187,10 @@ def check_profile(
     known = next((row for row in profile_level_codes() if row.code == signalled), None)
     checked = asked if asked is not None else known
     criteria = tuple(_criteria(objects, checked, options.readings))
-    return LevelReport(
-        signalled, checked, asked is not None, criteria, tuple(_findings(objects, known, checked, criteria))
-    )
+    own = tuple(_findings(objects, known, checked, criteria))
+    # The reader looks at what is signalled.
+    seen = in_stream if checked == known else [finding.id for finding in own]
+    return LevelReport(signalled, checked, asked is not None, criteria, own, "profile-tool" in seen)
 
 
 def _take(one: _Object, plane: AnyPlane, behind: int) -> None:

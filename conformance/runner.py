@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 from snhc.reference_impl.bitstream.errors import InputFormat
-from snhc.vectors.manifest import MANIFEST_NAME, SUITE, Accepted, Entry, Expect, Manifest
+from snhc.vectors.manifest import MANIFEST_NAME, SUITE, Entry, Manifest
 
 from .adapters import Adapter
 from .ledger import Ledger
@@ -38,9 +38,7 @@ def verify(entries: Iterable[Entry], suite: Path) -> None:
 
 def files_of(entry: Entry) -> dict[str, str]:
     """The files of a vector, relative to the suite, and their sha256. Rules: CNF-3."""
-    expects: list[Expect] = [entry.expect, *(e for readings in entry.readings.values() for e in readings.values())]
-    files = {entry.file: entry.sha256} | ({entry.aux: entry.aux_sha256} if entry.aux else {})
-    return files | {e.file: e.sha256 for e in expects if isinstance(e, Accepted)}
+    return entry.files()
 
 
 def _inside(name: str) -> bool:

@@ -31,6 +31,7 @@ from snhc.reference_impl.systems.stream import (
     write_stream,
 )
 
+from .checking import profile_check
 from .dct_tolerance import of_planes
 from .decoding import Decoded, decode_input
 from .manifest import FACE, FAT, FIT, Accepted, Entry, Expect, Rejected, Tolerance
@@ -80,6 +81,7 @@ def make(recipe: Recipe) -> Made:
     files: dict[str, bytes] = {}
     base = f"{recipe.id.partition('.')[0]}/{recipe.id}"
     tolerance: Tolerance | None = None
+    check: dict[str, Any] | None = None
     expect: Expect
     try:
         _demand(not (fault := build_fault(build)), fault)
@@ -93,6 +95,9 @@ def make(recipe: Recipe) -> Made:
             tolerance = _tolerance(recipe, source)
             if isinstance(build, Accept):
                 decoded = _accept(recipe, build, source, tolerance)
+                if build.check is not None:
+                    check, faults = profile_check(source.data, recipe.options.for_decoder(), build.check)
+                    _demand(not faults, "; ".join(faults))
                 kind = "valid"
             else:
                 decoded = source.decode(recipe)
@@ -120,7 +125,7 @@ def make(recipe: Recipe) -> Made:
         recipe.id, recipe.title, recipe.description, kind, recipe.tier, recipe.tools, recipe.profile, tuple(named),
         recipe.features, recipe.value_classes, name, _sha(source.data), source.media, recipe.options, expect, readings,
         {"recipe": recipe.name, "generator": GENERATOR, "seed": recipe.seed}, recipe.notes, recipe.since,
-        tolerance, *aux,
+        tolerance, *aux, check,
     )  # fmt: skip
     return Made(entry, files)
 

@@ -3,7 +3,8 @@
 Rules: CNF-3, CNF-5, CNF-25, CNF-26. The form is `manifest.schema.json`; beyond the fields of CNF-3 an entry has `tier`
 (CNF-5), `description` (the published documentation, CNF-4) and `options` (what a decoder must be told: CNF-26). The
 input of a vector may be two files: a table (`input`) and the frames that it is used on (`input.aux`). Faults of
-documents have a `path`, a `line`, or both, instead of `bits` (CNF-25).
+documents have a `path`, a `line`, or both, instead of `bits` (CNF-25). `check`: what a checker of profiles and levels
+must say of the stream (SYS-8..12), where the vector is about that.
 """
 
 from __future__ import annotations
@@ -191,13 +192,20 @@ class Entry:
     tolerance: Tolerance | None = None
     aux: str = ""
     aux_sha256: str = ""
+    check: Mapping[str, Any] | None = None
+
+    def files(self) -> dict[str, str]:
+        """All files of the vector, with their sha256. Rules: CNF-3."""
+        expects = [self.expect, *(expect for readings in self.readings.values() for expect in readings.values())]
+        out = {self.file: self.sha256} | ({self.aux: self.aux_sha256} if self.aux else {})
+        return out | {expect.file: expect.sha256 for expect in expects if isinstance(expect, Accepted)}
 
     def as_json(self) -> dict[str, Any]:
         """The manifest entry."""
         files: dict[str, Any] = {"file": self.file, "sha256": self.sha256, "media": self.media}
         if self.aux:
             files["aux"] = {"file": self.aux, "sha256": self.aux_sha256}
-        return {
+        out = {
             "id": self.id,
             "title": self.title,
             "description": self.description,
@@ -220,6 +228,9 @@ class Entry:
             "notes": self.notes,
             "since": self.since,
         }
+        if self.check is not None:
+            out["check"] = dict(self.check)
+        return out
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Entry:
@@ -237,6 +248,7 @@ class Entry:
             },
             data["provenance"], data["notes"], data["since"],
             None if tolerance is None else Tolerance(**tolerance), aux.get("file", ""), aux.get("sha256", ""),
+            data.get("check"),
         )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from snhc.reference_impl.bitstream.errors import ERROR_CLASSES, SnhcError
 from snhc.reference_impl.syntax.faulty import Mutation
 from snhc.reference_impl.systems.visual import StreamItem
 
+from .checking import ProfileCheck
 from .manifest import ACCEPTABLE, DOCUMENTS, REJECT, TIERS, DecodeOptions
 
 
@@ -51,6 +52,8 @@ class Accept:
 
     `declared`: lines behind the header that stand in the file instead of the decoder's, whose floats hang on the sine
     and cosine of the machine (CNF-4); the decoder must come within the vector's tolerance of them.
+
+    `check`: what a checker of profiles and levels must say of the stream.
     """
 
     stream: Stream
@@ -64,6 +67,7 @@ class Accept:
     points: Mapping[tuple[int, str], Sequence[Sequence[float]]] = field(default_factory=dict)
     units: Mapping[str, float] = field(default_factory=dict)
     declared: tuple[str, ...] = ()
+    check: ProfileCheck | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +135,7 @@ _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
     "truncation", "ambiguity", "mesh", "mesh_errors", "dct", "dct_errors", "dct_coefficients", "fit", "fit_errors",
-    "fat", "fat_errors", "fapu", "real",
+    "fat", "fat_errors", "fapu", "real", "profiles",
 )  # fmt: skip
 
 T = TypeVar("T")
@@ -189,7 +193,7 @@ def family(
     features: Iterable[str] = (),
     value_classes: Iterable[str] = (),
     tools: Iterable[str] = ("fba",),
-    profile: str | None = None,
+    profile: str | Mapping[str, str | None] | None = None,
     options: DecodeOptions | None = None,
     notes: str = "",
     since: str = "0.1.0",
@@ -198,7 +202,7 @@ def family(
     """Register a function as the recipe of one vector per case. Rules: CNF-3, CNF-4.
 
     `cases`: name of the case -> what the function gets. `{case}` in id, title and docstring stands for the name (in
-    the id with - for blanks, lower case).
+    the id with - for blanks, lower case). `profile`: one for all, or one for each.
     """
 
     def register(function: Callable[[T], Build]) -> Callable[[T], Build]:
@@ -213,7 +217,8 @@ def family(
             build.__doc__ = (function.__doc__ or "").replace("{case}", case)
             vector(
                 id=id.replace("{case}", key), title=title.replace("{case}", case), tier=tier, rules=rules,
-                features=features, value_classes=value_classes, tools=tools, profile=profile, options=options,
+                features=features, value_classes=value_classes, tools=tools,
+                profile=profile[case] if isinstance(profile, Mapping) else profile, options=options,
                 notes=notes, since=since, seed=seed,
             )(build)  # fmt: skip
         return function
