@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from .moves import Array, Model, Move, Moves, both, pieces, smooth, weighted
-from .skin import EYE_RING, Key
+from .skin import EYE_RING, Key, eye_edge
 
 
 def face_moves(model: Model) -> Moves:
@@ -79,7 +79,9 @@ def _lids(model: Model) -> Moves:
     unit = model.units["IRISD"]
     out = both(model, 19, 20, [pieces("skin", lids["upper"], unit, pose(upper, -1.0))])
     out |= both(model, 21, 22, [pieces("skin", lids["lower"], unit, pose(lower, 1.0))])
+    # The skin around the lids goes a part of the way, so that the ball stays behind it.
     pushed = {skin.index[key]: w for key, w in _lid_shares(lids["thrust"])}
+    pushed |= {skin.index[key]: lids["thrust_around"] for key in eye_edge()}
     return out | both(model, 27, 28, [weighted("skin", [-600, 600], pushed, (0, 0, 1))])
 
 
@@ -117,19 +119,21 @@ def _brows(model: Model) -> Moves:
         before = math.cos(math.pi / 2 * min(-s / past, 1.0)) ** 2 if s < 0 else 1.0
         after = math.cos(math.pi / 2 * min((s - 1) / brow["beyond"], 1.0)) ** 2 if s > 1 else 1.0
         c = math.cos(math.pi * min(max(s, 0.0), 1.0)) ** 2
-        reach = min(max(s, 0.0) / brow["squeeze"], 1.0)
+        reach = min(max(s, 0.0) / brow["squeeze"]["reach"], 1.0)
+        # Between the brows both squeezes act: in a straight line from all to nothing they press the skin together
+        # evenly, and no part of it passes another before the brows meet.
+        between = max(1 + s / past, 0.0) if s < 0 else 1.0
         return {
             "inner": before * (c if s < 0.5 else 0.0),
             "middle": 1 - c,
             "outer": after * (c if s > 0.5 else 0.0),
-            "squeeze": before * math.cos(math.pi / 2 * reach) ** 2,
+            "squeeze": between * math.cos(math.pi / 2 * reach) ** 2,
         }
 
-    found: dict[str, list[Move]] = {name: [] for name in ("inner", "middle", "outer", "squeeze")}
     line = [[float(p[0]) for p in (inner, middle, outer)], [float(p[1]) for p in (inner, middle, outer)]]
-    weights: dict[str, dict[str, dict[int, float]]] = {name: {} for name in found}
+    weights: dict[str, dict[str, dict[int, float]]] = {name: {} for name in ("inner", "middle", "outer", "squeeze")}
     for mesh in ("skin", "left_brow"):
-        for name in found:
+        for name in weights:
             weights[name][mesh] = {}
         for i, p in enumerate(model.meshes[mesh]):
             x, y, z = (float(v) for v in p)
@@ -142,12 +146,22 @@ def _brows(model: Model) -> Moves:
                 fade = math.exp(-((above / brow["up"]) ** 2)) if above > 0 else smooth(1 + above / brow["down"])
             for name, value in share((x - x0) / (x1 - x0)).items():
                 weights[name][mesh][i] = value * fade
-    for name, by in (("inner", (0, 1, 0)), ("middle", (0, 1, 0)), ("outer", (0, 1, 0)), ("squeeze", (-1, 0, 0))):
-        found[name] = [weighted(m, brow["borders"], w, by) for m, w in weights[name].items()]
     out: Moves = {}
-    for fap, name in ((31, "inner"), (33, "middle"), (35, "outer"), (37, "squeeze")):
-        out |= both(model, fap, fap + 1, found[name])
-    return out
+    for fap, name in ((31, "inner"), (33, "middle"), (35, "outer")):
+        out |= both(model, fap, fap + 1, [weighted(m, brow["borders"], w, (0, 1, 0)) for m, w in weights[name].items()])
+    return out | both(model, 37, 38, [_squeeze(model, mesh, w) for mesh, w in weights["squeeze"].items()])
+
+
+def _squeeze(model: Model, mesh: str, weights: Mapping[int, float]) -> Move:
+    """The brow along its line: as the value says until it presses against the other, then hardly any farther."""
+    way = model.motion["brow"]["squeeze"]
+    borders, reached = way["borders"], dict(zip(way["borders"], way["reached"], strict=True))
+    kept = {i: w for i, w in weights.items() if w > 0.004}
+
+    def at(value: int, unit: float) -> dict[int, Array]:
+        return {i: np.array([-reached[value] * unit * w, 0.0, 0.0]) for i, w in kept.items()}
+
+    return pieces(mesh, borders, model.units["ES"], at)
 
 
 def _ears(model: Model) -> Moves:
