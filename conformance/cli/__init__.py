@@ -27,6 +27,7 @@ VERBS: Final = {
     "stats": "Sum up a stream: planes, rates, bits, masks, ranges.",
     "plot": "Plot the FAP curves and bit rates of a stream.",
     "dump": "Show what every bit of a stream is.",
+    "browse": "Look at a stream in the terminal.",
     "generate": "Make the suite's vectors, or check them.",
     "coverage": "Show what the suite covers, and its holes.",
     "run": "Run decoders against the suite.",

@@ -1,0 +1,1 @@
+"""A stream in the terminal: tree, hexdump, details, search."""
