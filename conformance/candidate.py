@@ -62,7 +62,7 @@ def ndjson(text: bytes, kind: str = "fba") -> list[Frame]:
     header = _object(lines[0], 1)
     if header.get("format") != "snhc-decoded" or header.get("kind") != kind:
         raise Malformed(f"line 1 is no snhc-decoded header of kind {kind}: {lines[0][:80]!r}")
-    if header.get("version") != VERSION:
+    if header.get("version") != VERSION or not _is_integer(header["version"]):
         raise Malformed(f"snhc-decoded version {header.get('version')!r}, known is {VERSION}")
     frames: list[Frame] = []
     for number, line in enumerate(lines[1:], 2):

@@ -57,7 +57,7 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
     if outcome.stopped == "timeout":
         return Verdict("timeout", f"no end after {outcome.seconds:.1f} s")
     if outcome.stopped == "output":
-        return Verdict("error", f"more than {len(outcome.stdout)} bytes of output")
+        return Verdict("error", outcome.detail or f"more than {len(outcome.stdout)} bytes of output")
     if outcome.stopped == "memory":
         return Verdict("crash", f"more memory than it may take ({outcome.peak or outcome.detail} bytes)")
     if outcome.stopped == "warden":
@@ -81,12 +81,18 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
         return Verdict("error", str(error))
 
 
-# Run-time systems that end with 1 when a program falls over say so in these words.
-_FALLEN: Final = (b"Traceback (most recent call last):", b'Exception in thread "main"')
+# Run-time systems that end with 1 when a program falls over, and shells whose child did, say so in these words.
+_SIGNALS: Final = rb"(Segmentation fault|Bus error|Illegal instruction|Floating point exception|Aborted|Killed)"
+_FALLEN: Final = re.compile(
+    rb'^(Traceback \(most recent call last\):|Exception in thread "main"|Node\.js v[0-9]|stack traceback:'
+    rb"|==[0-9]+==\s*ERROR: \w+Sanitizer: |SUMMARY: \w+Sanitizer: "
+    rb"|(.*: line [0-9]+: |bash: )\s*[0-9]+ " + _SIGNALS + rb"|" + _SIGNALS + rb"( \(core dumped\))?$)",
+    re.MULTILINE,
+)
 
 
 def _fell_over(stderr: bytes) -> bool:
-    return any(line.startswith(_FALLEN) for line in stderr.splitlines())
+    return _FALLEN.search(stderr) is not None
 
 
 def _crash(outcome: Outcome) -> str:
@@ -323,9 +329,16 @@ def _concealed(entry: Entry, expect: Rejected, outcome: Outcome, suite: Path, fo
 
 def _ambiguous(entry: Entry, outcome: Outcome, said: Mapping[str, Any], suite: Path, format: str) -> Verdict:
     first: Verdict | None = None
+    words = "as no reading says; as the one followed"
     for amb, readings in entry.readings.items():
         followed = ambiguity(amb).followed
-        for key, expect in sorted(readings.items(), key=lambda item: item[0] != followed):
+        keys = sorted(readings, key=lambda key: key != followed)
+        if outcome.readings.get(amb) in readings:
+            # It has said which one it follows.
+            keys = [outcome.readings[amb]]
+            words = f"not as {amb}={keys[0]}, which it claims to follow"
+        for key in keys:
+            expect = readings[key]
             if isinstance(expect, Rejected):
                 verdict = _rejected(entry, expect, outcome, said, suite, format)
             else:
@@ -334,4 +347,4 @@ def _ambiguous(entry: Entry, outcome: Outcome, said: Mapping[str, Any], suite: P
                 return Verdict("pass", verdict.reason, reading=f"{amb}={key}")
             first = first or verdict
     assert first is not None
-    return Verdict(first.status, f"as no reading says; as the one followed: {first.reason}", first.difference)
+    return Verdict(first.status, f"{words}: {first.reason}", first.difference)

@@ -8,6 +8,7 @@ that may begin at any node but keep their direction, or in order. Floats (vertic
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -117,9 +118,14 @@ def _face_frame(i: int, ours: Frame, theirs: Frame, near: Near) -> Difference | 
     if found is not None:
         return found
     for key in _EXTRA:
-        if key in ours and key in theirs and ours[key] != theirs[key]:
+        if key in ours and key in theirs and not _same(ours[key], theirs[key]):
             return Difference(i, key, None, ours[key], theirs[key])
     return None
+
+
+def _same(ours: Any, theirs: Any) -> bool:
+    # In Python 1, 1.0 and True are equal; in JSON they are three values.
+    return bool(ours == theirs) and json.dumps(ours, sort_keys=True) == json.dumps(theirs, sort_keys=True)
 
 
 def fap_difference(

@@ -307,10 +307,11 @@ def resolved(command: Sequence[str], folder: Path | None) -> list[str]:
     base = (folder or Path()).absolute()
     out: list[str] = []
     for i, word in enumerate(command):
-        there = base / word
+        there = str(base / word)
         # A bare name of the first word is looked up in PATH.
         is_path = os.sep in word or i > 0
-        out.append(str(there) if is_path and not word.startswith("-") and there.is_file() else word)
+        # A word may be anything: Path.is_file raises where it is too long for a name.
+        out.append(there if is_path and not word.startswith("-") and os.path.isfile(there) else word)  # noqa: PTH113
     return out
 
 

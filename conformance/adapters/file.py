@@ -56,7 +56,7 @@ def check(table: Table, name: str) -> None:
 
 def _misfit(error: ValidationError, table: Table, name: str) -> AdapterFault:
     def fault(key: str, value: object, law: str) -> AdapterFault:
-        return AdapterFault("CNF-9", f"{name}: {key}", value=f"{value!s:.80}", allowed=law, path=key)
+        return AdapterFault("CNF-9", f"{name}: {key}", value=f"{value!s:.80}", allowed=law)
 
     if error.absolute_path:
         key = str(error.absolute_path[0])

@@ -37,7 +37,9 @@ def check(definition: str, message: object) -> None:
     errors = sorted(_validator(definition).iter_errors(message), key=lambda error: error.json_path)
     if errors:
         first = errors[0]
-        raise Misfit(f"{first.json_path.removeprefix('$.')}: {first.message[:200]}")
+        # The value stands before the law, and may be long.
+        words = first.message if len(first.message) <= 200 else f"{first.message[:80]} ... {first.message[-100:]}"
+        raise Misfit(f"{first.json_path.removeprefix('$.')}: {words}")
 
 
 def hello(seq: int, readings: dict[str, str]) -> Message:

@@ -9,7 +9,6 @@ import json
 import shutil
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,8 +16,7 @@ import jsonschema
 import pytest
 from click.testing import CliRunner
 
-from snhc.conformance import process
-from snhc.conformance.adapters import AdapterFault, BuiltIn, OneShot, Outcome, from_command, load
+from snhc.conformance.adapters import BuiltIn, OneShot, Outcome
 from snhc.conformance.candidate import Malformed, ndjson
 from snhc.conformance.cli.generate import command as generate_command
 from snhc.conformance.cli.run import command as run_command
@@ -51,48 +49,6 @@ def decoder(name: str, *words: str, format: str = "ndjson", timeout: float = 20.
 def statuses(adapter: OneShot | BuiltIn, *ids: str) -> tuple[str, ...]:
     chosen = Manifest(MANIFEST.suite, tuple(ENTRIES[id] for id in ids))
     return tuple(result.status for result in run(chosen, [adapter], jobs=2).results)
-
-
-BANK = {
-    # name: status on the valid, the invalid, the concealable vector
-    "correct": ("pass", "pass", "pass"),
-    "rejects_everything": ("fail", "pass", "pass"),
-    "accepts_everything": ("fail", "fail", "fail"),
-    "prints_nothing": ("error", "fail", "error"),
-    "prints_garbage": ("error", "fail", "error"),
-    "not_utf8": ("error", "fail", "error"),
-    "crashes": ("crash", "crash", "crash"),
-    "falls_over": ("crash", "crash", "crash"),
-    "exits_2": ("crash", "crash", "crash"),
-    "floods": ("error", "error", "error"),
-    "wrong_value": ("fail", "pass", "pass"),
-    "float_values": ("error", "pass", "pass"),
-    "nan_values": ("error", "pass", "pass"),
-    "missing_frame": ("fail", "pass", "pass"),
-    "extra_frame": ("fail", "pass", "pass"),
-    "swapped_frames": ("fail", "pass", "pass"),
-    "wrong_state": ("fail", "pass", "pass"),
-    "exits_0_after_error": ("pass", "fail", "fail"),
-    "wrong_class": ("pass", "fail", "fail"),
-    "wrong_place": ("pass", "fail", "fail"),
-    "unsupported": ("not_applicable", "not_applicable", "not_applicable"),
-    "leaves_a_child": ("pass", "pass", "pass"),
-}
-
-
-@pytest.mark.parametrize("name", BANK)
-def test_each_decoder_of_the_bank_gets_exactly_its_status(name: str) -> None:
-    assert statuses(decoder(name), VALID, INVALID, CONCEALABLE) == BANK[name]
-
-
-@pytest.mark.parametrize("name", ["hangs", "closes_output_and_hangs"])
-def test_a_decoder_that_does_not_end_is_stopped(name: str) -> None:
-    assert statuses(decoder(name, timeout=0.4), VALID, INVALID) == ("timeout", "timeout")
-
-
-def test_every_script_of_the_harness_is_in_the_bank() -> None:
-    scripts = {path.stem for path in HARNESS.glob("*.py")} - {"_shared", "other_format"}
-    assert scripts == set(BANK) | {"hangs", "closes_output_and_hangs"}
 
 
 @pytest.mark.parametrize("format", ["csv", "fap"])
@@ -146,23 +102,7 @@ def test_without_input_in_the_command_the_vector_is_standard_input(tmp_path: Pat
     assert outcome.code == 42
 
 
-# -- the process -------------------------------------------------------------------------------------------------------
-
-
-def test_what_a_program_leaves_behind_is_gone(tmp_path: Path) -> None:
-    mark = tmp_path / "alive"
-    script = tmp_path / "spawn.py"
-    script.write_text(
-        "import os, sys, time\n"
-        "if os.fork() == 0:\n"
-        "    time.sleep(1.0)\n"
-        f"    open({str(mark)!r}, 'w').close()\n"
-        "    os._exit(0)\n"
-    )
-    finished = process.run([sys.executable, str(script)], None, seconds=10, output_bytes=100)
-    assert finished.code == 0
-    time.sleep(1.2)
-    assert not mark.exists()
+# -- frame numbers -----------------------------------------------------------------------------------------------------
 
 
 def test_frame_numbers_of_fap_text_are_held_against_the_skips(tmp_path: Path) -> None:
@@ -182,27 +122,6 @@ def test_frame_numbers_of_fap_text_are_held_against_the_skips(tmp_path: Path) ->
     # The third frame is number 33: 31 are skipped behind number 1.
     verdict = judge(entry, _outcome(0, text.replace(b"\n33 ", b"\n32 ")), SUITE, "fap")
     assert verdict.difference is not None and verdict.difference.what == "frame number"
-
-
-def test_a_child_in_a_group_of_its_own_does_not_hold_the_run_up(tmp_path: Path) -> None:
-    script = tmp_path / "escape.py"
-    script.write_text("import os, time\nif os.fork() == 0:\n    os.setsid()\n    time.sleep(6)\n    os._exit(0)\n")
-    finished = process.run([sys.executable, str(script)], None, seconds=20, output_bytes=100)
-    assert (finished.code, finished.stopped) == (0, "")
-    assert finished.seconds < 5
-
-
-def test_output_is_cut_at_its_limit() -> None:
-    command = [sys.executable, str(HARNESS / "floods.py")]
-    finished = process.run(command, None, seconds=20, output_bytes=1000)
-    assert (finished.stopped, finished.code, len(finished.stdout)) == ("output", None, 1000)
-
-
-def test_a_program_runs_in_a_folder_of_its_own(tmp_path: Path) -> None:
-    code = "import os; open('left', 'w').close(); print(os.getcwd())"
-    finished = process.run([sys.executable, "-c", code], None, seconds=20, output_bytes=1000)
-    folder = Path(finished.stdout.decode().strip())
-    assert folder != Path.cwd() and not folder.exists()
 
 
 # -- comparing ---------------------------------------------------------------------------------------------------------
@@ -383,50 +302,6 @@ def test_filters(expression: str, holds: bool) -> None:
 def test_a_filter_with_an_unknown_field_is_refused() -> None:
     with pytest.raises(InputFormat, match="colour=red"):
         selector("colour=red")
-
-
-def _toml(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "adapter.toml"
-    path.write_text(text)
-    return path
-
-
-def test_an_adapter_file(tmp_path: Path) -> None:
-    shutil.copy(HARNESS / "rejects_everything.py", tmp_path / "mine.py")
-    path = _toml(
-        tmp_path, f'name = "mine"\ncommand = [{sys.executable!r}, "mine.py", "{{input}}"]\ntimeout = 5\n'
-        '[options]\nstrict = ["--strict"]\n'
-    )  # fmt: skip
-    adapter = load(path)
-    assert (adapter.name, adapter.format, adapter.timeout, adapter.options) == (
-        "mine",
-        "ndjson",
-        5.0,
-        {"strict": ("--strict",)},
-    )
-    # The program lies beside the file and is found from anywhere.
-    assert statuses(adapter, VALID, INVALID) == ("fail", "pass")
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "command = []", "", 'command = "x"', 'command = ["x"]\nformat = "xml"', 'command = ["x"]\ncolour = 1',
-        'command = ["x"]\ntimeout = 0', 'command = ["x"]\ntimeout = true', 'command = ["x"]\n[options]\ndraft = "-d"',
-        "command = [", 'command = ["x"]\n[options]\nother = ["-d"]', 'command = [1]',
-        'command = ["x"]\ntools = ["foo"]',
-    ],
-)  # fmt: skip
-def test_adapter_files_that_are_wrong(tmp_path: Path, text: str) -> None:
-    with pytest.raises(AdapterFault):
-        load(_toml(tmp_path, text))
-
-
-def test_a_command_line_is_split_as_a_shell_would() -> None:
-    assert from_command("'my decoder' --in {input}").command == ("my decoder", "--in", "{input}")
-    for text in ("", "'open"):
-        with pytest.raises(AdapterFault):
-            from_command(text)
 
 
 def test_the_built_in_decoder_passes_the_whole_suite() -> None:

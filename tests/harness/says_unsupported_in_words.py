@@ -1,0 +1,5 @@
+"""Calls everything unsupported, but not in the JSON line."""
+
+import sys
+
+sys.exit("Unsupported")

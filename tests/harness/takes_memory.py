@@ -1,0 +1,5 @@
+"""Takes memory without end."""
+
+taken = []
+while True:
+    taken.append(b"x" * (1 << 24))
