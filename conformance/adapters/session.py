@@ -186,7 +186,7 @@ class Session:
                 raise Broken("timeout", f"no answer to {question['type']} within {seconds:g} s")
             self._turn(left)
         if written < len(data):
-            raise Broken("protocol", f"it answered before it had been asked: {self._first()!r}")
+            raise Broken("protocol", f"it said more than was asked: {self._first()!r}")
         try:
             return messages.answer(self._lines.popleft(), question)
         except Misfit as error:
