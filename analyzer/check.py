@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from snhc.reference_impl.interpolation.fit import FitReadings
     from snhc.reference_impl.tables import ProfileLevel
 
+    from .policy import Policy
     from .profiles import LevelReport
 
 Report = Callable[[Finding], None]
@@ -61,8 +62,8 @@ class CheckOptions:
     """What a check may be told.
 
     Rules: CNF-23, SYS-10. `tolerance`: of places of feature points in model units, None: 2 % of ES0. `stream`: how a
-    stream is read. `levels`: hold a stream against `profile`, None: the one that it signals. `folder`: where the face
-    definition that a model may name stands; None: it may name none.
+    stream is read. `levels`: hold a stream against `profile`, None: the one that it signals. `policies`: further rules
+    for streams. `folder`: where the face definition that a model may name stands; None: it may name none.
     """
 
     tolerance: float | None = None
@@ -71,6 +72,7 @@ class CheckOptions:
     strict: bool = False
     levels: bool = False
     profile: ProfileLevel | None = None
+    policies: tuple[Policy, ...] = ()
     folder: Path | None = None
 
 
@@ -203,6 +205,11 @@ def _check_stream(stream: BinaryIO, report: Report, options: CheckOptions) -> Le
                 sent = [v if s == "T" else None for v, s in zip(frame.faps, frame.state, strict=True)]
                 for finding in unidirectional_findings(sent, frame.index):
                     report(finding)
+    if options.policies:
+        from .policy import check_policy
+
+        for policy in options.policies:
+            check_policy(source, policy, report, options.stream)
     if not options.levels:
         return None
     from .profiles import check_profile

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -20,7 +20,7 @@ from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.mesh.records import MeshPlane
 
-from .elements import kind_of_row, meaning
+from .elements import kind_of_row, meaning, settled_bits
 from .parts import Part, raw_bits
 
 if TYPE_CHECKING:
@@ -217,6 +217,21 @@ class Query:
     def takes_plane(self, part: Part, source: Source) -> bool:
         """Whether the part is a plane and it holds of it. Rules: CNF-21."""
         return part.plane is not None and self(Subject(part, -1, source))
+
+
+def subjects(part: Part, source: Source, symbols: bool = False) -> Iterator[Subject]:
+    """What of a part an expression is asked about, in stream order: its plane, then its rows, each with its symbols.
+
+    Rules: CNF-21. `symbols`: the trace has them, and they are asked about.
+    """
+    if part.plane is not None:
+        yield Subject(part, -1, source)
+    for row in range(len(part.trace)):
+        yield Subject(part, row, source)
+        segment = part.trace.segments.get(row)
+        if symbols and segment is not None:
+            for number, span in enumerate(settled_bits(segment[0])):
+                yield Subject(part, row, source, number, span)
 
 
 def _compiled(text: str) -> cel.Program:

@@ -14,6 +14,7 @@ import click
 from .common import Common, Output, common_options, open_binary
 
 if TYPE_CHECKING:
+    from snhc.analyzer.policy import Policy
     from snhc.analyzer.profiles import LevelReport
     from snhc.reference_impl.bitstream.findings import Finding
     from snhc.reference_impl.tables import ProfileLevel
@@ -54,6 +55,10 @@ def parse_profile(value: str | None) -> ProfileLevel | str | None:
     "--profile", "profile", metavar="NAME@LEVEL", callback=lambda ctx, param, value: parse_profile(value),
     help="Hold a stream against a profile and level, e.g. simple-face@L1; `signalled`: those that it signals.",
 )  # fmt: skip
+@click.option(
+    "--policy", "policies", type=click.Path(exists=True, dir_okay=False, path_type=Path), multiple=True,
+    metavar="FILE", help="Rules of your own for streams (TOML). Repeatable.",
+)  # fmt: skip
 @click.option("--object", "object_number", type=click.IntRange(min=0), default=0, metavar="N", help="Which object.")
 @common_options()
 def command(
@@ -62,6 +67,7 @@ def command(
     format_: str,
     tolerance: float | None,
     profile: ProfileLevel | str | None,
+    policies: tuple[Path, ...],
     object_number: int,
     common: Common,
 ) -> None:
@@ -70,7 +76,7 @@ def command(
     FILE: a stream, .fap text, a face definition (JSON or .fdp), a FAT model or a FIT (JSON, or the text of their
     nodes); - for standard input. What it is, its content tells. With --format json a finding is one JSON line.
     --profile measures all objects of a stream: bit rates, frame rates, faces; limits are known for Simple Face
-    Animation, all else is not_checked.
+    Animation, all else is not_checked. --policy holds a stream against rules of your own.
 
     Exit codes: 0 no finding at --fail-on or above, 1 there is one, 2 usage, 3 input or I/O, 4 it does not decode.
     """
@@ -89,16 +95,26 @@ def command(
         with open_binary(file) as stream:
             options = CheckOptions(
                 tolerance, common.options(object_number), common.limits, common.strict,
-                levels=profile is not None, profile=None if isinstance(profile, str) else profile,
+                policies=_loaded(policies), levels=profile is not None,
+                profile=None if isinstance(profile, str) else profile,
                 folder=None if file == "-" else Path(file).parent,
             )  # fmt: skip
             checked = check_input(stream, report, options)  # type: ignore[arg-type]
-        if profile is not None and checked.levels is None:
-            raise click.UsageError(f"--profile is for streams; {file} is of kind {checked.kind}")
+        if (profile is not None or policies) and checked.kind != "stream":
+            option = "--policy" if policies else "--profile"
+            raise click.UsageError(f"{option} is for streams; {file} is of kind {checked.kind}")
         if checked.levels is not None:
             _print_levels(out, checked.levels, format_)
     if worst >= SEVERITIES.index(fail_on):
         raise click.exceptions.Exit(1)
+
+
+def _loaded(files: tuple[Path, ...]) -> tuple[Policy, ...]:
+    if not files:
+        return ()
+    from snhc.analyzer.policy import load_policy
+
+    return tuple(load_policy(file) for file in files)
 
 
 def _print_levels(out: Output, levels: LevelReport, format_: str) -> None:
