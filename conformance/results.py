@@ -79,7 +79,7 @@ class Result:
         out: dict[str, Any] = {
             "adapter": self.adapter, "vector": self.vector, "title": self.title, "tier": self.tier,
             "kind": self.kind, "file": self.file, "tools": list(self.tools), "rules": list(self.rules),
-            "status": self.status, "reason": self.reason, "seconds": round(self.seconds, 6),
+            "status": self.status, "reason": self.reason, "seconds": self.seconds,
             "reproduce": self.reproduce,
         }  # fmt: skip
         if self.reading:

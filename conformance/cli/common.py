@@ -31,9 +31,9 @@ __all__ = [
 ]  # fmt: skip
 
 # Of reports; here, so that the help of a verb imports no report.
-REPORT_FORMATS: Final = ("terminal", "markdown", "junit", "sarif", "json")
+REPORT_FORMATS: Final = ("terminal", "html", "markdown", "junit", "sarif", "json")
 REPORT_SUFFIXES: Final = {
-    ".txt": "terminal", ".md": "markdown", ".xml": "junit", ".sarif": "sarif",
+    ".txt": "terminal", ".html": "html", ".htm": "html", ".md": "markdown", ".xml": "junit", ".sarif": "sarif",
     ".json": "json",
 }  # fmt: skip
 # Findings of one id that are printed; the others are counted.

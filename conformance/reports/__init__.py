@@ -22,4 +22,5 @@ def render(report: Report, format: str, *, colour: bool = False, width: int = 10
 
         return terminal_text(report, colour=colour, width=width)
     text: Callable[[Report], str] = import_module(f"{__name__}.{format}").text
-    return text(report)
+    # Half of a surrogate pair, which JSON of a decoder can hold, is nothing that a file can.
+    return text(report).encode("utf-8", "replace").decode()

@@ -67,8 +67,5 @@ def _plain(text: str) -> str:
 
 
 def _code(text: str) -> str:
-    """Text as code: its fence is longer than any of its own."""
-    text = printable(text)
-    longest = max((len(run) for run in re.findall("`+", text)), default=0)
-    fence = "`" * (longest + 1)
-    return f"{fence} {text} {fence}" if longest else f"{fence}{text}{fence}"
+    """Text as code: in an element, for nothing can be escaped between backticks."""
+    return f"<code>{_plain(text)}</code>"

@@ -43,7 +43,7 @@ def _run(report: Report, adapter: str) -> dict[str, Any]:
                 "rules": [_descriptor(rules()[id]) if id in rules() else {"id": id} for id in ids],
             }
         },
-        "automationDetails": {"id": f"snhc/{quote(adapter, safe='')}/"},
+        "automationDetails": {"id": f"snhc/{quote(adapter, safe='', errors='replace')}/"},
         "invocations": [{"executionSuccessful": True, "exitCodeDescription": "pass" if passed else "fail"}],
         "originalUriBaseIds": {_BASE: {"description": {"text": f"folder of suite {report.suite}"}}},
         "properties": {

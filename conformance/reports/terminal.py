@@ -42,7 +42,8 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
         for result in bad[:SHOWN]:
             _failure(console, result)
         if len(bad) > SHOWN:
-            console.print(f"... and {len(bad) - SHOWN} more of {name}; -o report.html shows all", markup=False)
+            more = f"... and {len(bad) - SHOWN} more of {printable(name)}; -o report.html shows all"
+            console.print(more, markup=False)
     for name in report.adapters:
         _table(console, report, name)
     if len(report.adapters) > 1:
@@ -51,7 +52,7 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
         console.print(line, style="bold red" if not report.results else "yellow", markup=False)
     for name in report.adapters:
         passed = report.passed(name)
-        console.print(f"{name}: ", style="bold", end="", markup=False)
+        console.print(f"{printable(name)}: ", style="bold", end="", markup=False)
         console.print("pass" if passed else "FAIL", style="bold green" if passed else "bold red", end="")
         console.print(f" ({numbers(report, name)}; suite {report.suite})", markup=False)
     return buffer.getvalue()
@@ -60,7 +61,7 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
 def _failure(console: Console, result: Result) -> None:
     console.print(f"{result.status.upper()} ", style=_STYLES[result.status], end="")
     console.print(f"{result.vector} ", style="bold", end="", markup=False)
-    console.print(f"[{result.adapter}] {result.title}", markup=False)
+    console.print(printable(f"[{result.adapter}] {result.title}"), markup=False)
     console.print(f"  {printable(result.reason)}", markup=False)
     for label, text in (("where", where(result)), ("trace", divergence(result))):
         if text:
@@ -79,7 +80,7 @@ def _table(console: Console, report: Report, name: str) -> None:
     statuses = [status for status in STATUSES if any(result.status == status for result in results)]
     if not statuses:
         return
-    table = Table(title=escape(f"{name}, suite {report.suite}"), title_justify="left")
+    table = Table(title=escape(printable(f"{name}, suite {report.suite}")), title_justify="left")
     table.add_column("tier")
     for status in statuses:
         table.add_column(status, justify="right", style=_STYLES[status])
@@ -98,7 +99,7 @@ def _matrix(console: Console, report: Report) -> None:
     table = Table(title="passed of applicable, by tools", title_justify="left")
     table.add_column("tools")
     for name in report.adapters:
-        table.add_column(escape(name), justify="right", overflow="fold")
+        table.add_column(escape(printable(name)), justify="right", overflow="fold")
     for tools in dict.fromkeys(result.tools for result in report.results):
         cells = [", ".join(tools)]
         for name in report.adapters:

@@ -44,7 +44,7 @@ def run_case(case: Case, suite: Path, traces: Path | None = None, shown: Path | 
     found = Findings()
     if verdict.status in BAD:
         found = examine(entry, suite, adapter, outcome, verdict, traces)
-    return _result(case, verdict, outcome.seconds, found, shown or suite)
+    return _result(case, verdict, round(outcome.seconds, 6), found, shown or suite)
 
 
 def broken_case(case: Case, suite: Path, reason: str) -> Result:

@@ -120,7 +120,7 @@ class Journal:
         return value
 
     def _line(self, value: Mapping[str, Any]) -> None:
-        data = memoryview(json.dumps(value, ensure_ascii=False).encode() + b"\n")
+        data = memoryview(json.dumps(value, ensure_ascii=False).encode("utf-8", "replace") + b"\n")
         while data:
             data = data[os.write(self._file, data) :]
 
