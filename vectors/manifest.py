@@ -10,9 +10,11 @@ must say of the stream (SYS-8..12), where the vector is about that.
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat
@@ -252,6 +254,20 @@ class Entry:
         )  # fmt: skip
 
 
+def read_files(entry: Entry, suite: Path) -> dict[str, bytes]:
+    """The files of a vector by name. Rules: CNF-3. Raises InputFormat for one that is missing or has another sha256."""
+    out = {}
+    for name, checksum in entry.files().items():
+        # By its name alone: in a tree of links (an editable install) every file really lies elsewhere.
+        pure = PurePosixPath(name)
+        if pure.is_absolute() or ".." in pure.parts or not (suite / name).is_file():
+            raise InputFormat("CNF-3", f"{entry.id}: file", value=name, allowed="a file of the suite")
+        out[name] = (suite / name).read_bytes()
+        if sha256(out[name]).hexdigest() != checksum:
+            raise InputFormat("CNF-3", f"{entry.id}: {name}", value="another content", allowed=f"sha256 {checksum}")
+    return out
+
+
 @dataclass(frozen=True, slots=True)
 class Tombstone:
     """An id that is used up. Rules: CNF-3. `removed`: the suite version that dropped it."""
@@ -299,18 +315,22 @@ def validate(document: object) -> None:
         )
 
 
-def load(suite: Path = SUITE, *, check_schema: bool = True) -> Manifest:
-    """The manifest of a suite. Rules: CNF-3.
+def load(suite: Path = SUITE, *, check_schema: bool = True, name: str = MANIFEST_NAME) -> Manifest:
+    """The manifest of a suite. Rules: CNF-3. `name`: of its file.
 
     Raises InputFormat for one that is missing, that is no JSON, or that does not fit the schema.
     """
-    path = suite / MANIFEST_NAME
+    path = suite / name
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+    except (OSError, UnicodeDecodeError, ValueError, RecursionError) as error:
         raise InputFormat("CNF-3", "manifest", value=str(error), allowed="a readable manifest.json") from error
     if check_schema:
         validate(document)
+        ids = Counter(entry["id"] for entry in document["vectors"])
+        twice = [id for id, count in ids.items() if count > 1]
+        if twice:
+            raise InputFormat("CNF-3", "manifest", value=f"{twice[0]} twice", allowed="ids of one vector each")
     return Manifest(
         document["suite"],
         tuple(sorted((Entry.from_json(entry) for entry in document["vectors"]), key=lambda entry: entry.id)),

@@ -28,7 +28,7 @@ VERBS: Final = {
     "plot": "Plot the FAP curves and bit rates of a stream.",
     "dump": "Show what every bit of a stream is.",
     "browse": "Look at a stream in the terminal.",
-    "generate": "Make the suite's vectors, or check them.",
+    "generate": "Make the suite's vectors, check or export them, or list changes.",
     "coverage": "Show what the suite covers, and its holes.",
     "run": "Run decoders against the suite.",
     "report": "Render saved results, and join those of several runs.",
