@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, settings
 
 from snhc.conformance.cli.version import form
 
-PATCHES = "replaces parts of the decoder, which only the pure form notices"
+PURE_ONLY = "replaces or measures the code of the decoder: pure form only"
 NOT_BUILT = "the package was built without a compiled form"
 CORPUS_MISSING = "no real files given (--corpus DIR or SNHC_CORPUS=DIR)"
 
@@ -49,8 +49,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if not_built:
             item.add_marker(pytest.mark.skip(reason=NOT_BUILT))
-        elif form() == "compiled" and item.get_closest_marker("patches") is not None:
-            item.add_marker(pytest.mark.skip(reason=PATCHES))
+        elif form() == "compiled" and item.get_closest_marker("pure") is not None:
+            item.add_marker(pytest.mark.skip(reason=PURE_ONLY))
 
 
 @pytest.fixture

@@ -17,7 +17,10 @@ from ..bitstream.sink import BitSink
 from .model import MAX_FREQUENCY, Model
 
 GUARD_AFTER: Final = 22
+ZEROS: Final = "0" * GUARD_AFTER
 LOOK_AHEAD: Final = 14
+# With a symbol's bits behind it, a word stays a machine number in both forms.
+WORD: Final = 32
 
 
 def segment_end(start: int, data_bits: int, guards: list[int]) -> int:
@@ -207,38 +210,59 @@ def segment_code(models: list[Model], levels: list[int], tail: int = 0) -> tuple
     low = 0
     high = 0xFFFF
     pending = 0
-    code = 0
-    count = 0
+    # Whole words, and the bits behind them: one number that grows would be copied with every symbol.
+    words: list[int] = []
+    acc = 0
+    held = 0
     for model, level in zip(models, levels, strict=True):
         if model.n == 1:
             continue
         s = level - model.lo
         length = high - low + 1
         total = model.total
-        if model.adaptive:
-            below = model.cum_from(s + 1)
-            assert model.freq is not None
-            top = below + model.freq[s]
-            model.update(s)
-        else:
+        if not model.adaptive:
             below = model.n - 1 - s
             top = below + 1
+        else:
+            freq = model.freq
+            if freq is None or model.above < 0:
+                freq = model.rebuild()
+            f = freq[s]
+            if model.tree is not None or total == MAX_FREQUENCY:
+                below = model.cum_from(s + 1)
+                top = below + f
+                model.update(s)
+            else:
+                top = model.above
+                anchor = model.anchor
+                if s >= anchor:
+                    model.above = top + 1
+                    if s > anchor:
+                        top -= sum(freq[anchor:s])
+                else:
+                    top += sum(freq[s:anchor])
+                below = top - f
+                freq[s] = f + 1
+                model.total = total + 1
         high = low - 1 + length * top // total
         low += length * below // total
         k = 16 - (low ^ high).bit_length()
         if k:
-            # The first shared bit resolves the pending ones, which are its opposite.
             out = low >> (16 - k)
             if pending:
+                # The first shared bit resolves the pending ones, which are its opposite.
                 first = out >> (k - 1)
-                code = (code << 1) | first
-                code = (code << pending) | (0 if first else (1 << pending) - 1)
-                code = (code << (k - 1)) | (out & MASKS[k - 1])
-                count += pending
+                acc = (((acc << 1) | first) << pending) | (0 if first else (1 << pending) - 1)
+                acc = (acc << (k - 1)) | (out & MASKS[k - 1])
+                held += pending
                 pending = 0
             else:
-                code = (code << k) | out
-            count += k
+                acc = (acc << k) | out
+            held += k
+            while held >= WORD:
+                held -= WORD
+                words.append(acc >> held)
+                acc &= (1 << held) - 1
         low = (low << k) & 0xFFFF
         high = ((high << k) & 0xFFFF) | MASKS[k]
         m = 15 - (~(low & ~high) & 0x7FFF).bit_length() if k < 16 else 0
@@ -250,11 +274,12 @@ def segment_code(models: list[Model], levels: list[int], tail: int = 0) -> tuple
     quarter = (1 if low < 0x4000 else 2) + tail
     if quarter < low >> 14 or quarter > high >> 14:
         raise EncodeError("FBA-26", "tail of the segment", value=tail, allowed="0, or what was read with these levels")
-    if low < 0x4000:
-        code = (code << (pending + 1)) | ((1 << pending) - 1)
-    else:
-        code = (code << (pending + 1)) | (1 << pending)
-    return code + tail, count + pending + 1
+    last = (1 << pending) - 1 if low < 0x4000 else 1 << pending
+    code = 0
+    for word in words:
+        code = (code << WORD) | word
+    code = (((code << held) | acc) << (pending + 1)) | last
+    return code + tail, len(words) * WORD + held + pending + 1
 
 
 def write_guarded(sink: BitSink, code: int, count: int, guard: int = 1) -> None:
@@ -262,11 +287,14 @@ def write_guarded(sink: BitSink, code: int, count: int, guard: int = 1) -> None:
 
     Rules: FBA-25. `guard` 0 makes bad guards, for negative vectors.
     """
-    zeros = "0" * GUARD_AFTER
-    bits = format(code, f"0{count}b")
+    bits = f"{code:0{count}b}"
+    run = bits.find(ZEROS)
+    if run < 0 or run + GUARD_AFTER >= count:
+        sink.write(code, count)
+        return
     position = 0
     while True:
-        run = bits.find(zeros, position)
+        run = bits.find(ZEROS, position)
         if run < 0 or run + GUARD_AFTER >= count:
             break
         run += GUARD_AFTER

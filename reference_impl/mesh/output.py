@@ -7,19 +7,18 @@ imported when they are needed.
 from __future__ import annotations
 
 import json
-import tempfile
 from array import array
 from collections.abc import Callable, Sequence
 from typing import Any, Final, final
 
 from ..bitstream.errors import EncodeError, ResourceLimit
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..documents.archive import write_npz
 from ..syntax.element import DEFAULT_READINGS, Readings
 from .records import MeshFrame
 
 CSV_COLUMNS: Final = ("index", "time", "intra", "node", "x", "y")
 MODEL_FORMATS: Final = ("obj", "ply", "stl", "off", "glb")
-_COPY_BYTES: Final = 1 << 16
 
 Write = Callable[[bytes], None]
 
@@ -84,11 +83,7 @@ class MeshArrays:
             arrays[f"{name}_offsets"] = np.array(self._offsets[name], np.int64)
         header = {"format": "snhc-decoded-npz", "version": 1, "kind": "mesh", "readings": self._readings.chosen}
         arrays["header"] = np.array(json.dumps(header))
-        with tempfile.TemporaryFile() as file:
-            np.savez_compressed(file, **arrays)
-            file.seek(0)
-            while chunk := file.read(_COPY_BYTES):
-                write(chunk)
+        write_npz(arrays, write)
 
 
 def model_bytes(nodes: Sequence[tuple[int, int]], triangles: Sequence[tuple[int, int, int]], format: str) -> bytes:

@@ -12,14 +12,15 @@ from __future__ import annotations
 
 import json
 import tempfile
-from array import array
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from ..bitstream.errors import EncodeError, ResourceLimit
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..documents.archive import write_npz
 from ..entropy.profile import EntropyProfile, load_profile
+from ..face.columns import FAPS, FaceColumns
 from ..face.decoded import EXPRESSION_KEYS, VISEME_KEYS, frame_line, header_line
 from ..face.fap_text import FapTextFrame, fap_frame, fap_header
 from ..face.frames import FaceFrame
@@ -34,7 +35,6 @@ from .visual import AnyPlane
 if TYPE_CHECKING:
     from typing import IO
 
-FAPS: Final = 68
 BAPS: Final = 296
 COPY_BYTES: Final = 1 << 16
 
@@ -291,17 +291,7 @@ class NpzWriter(FrameWriter):
         super().__init__(write, most)
         self._readings = readings
         self._limits = limits
-        # Rows of equal length, one after the other; a set flag tells null from 0.
-        self._columns: dict[str, array[int]] = {
-            name: array(code)
-            for name, code in (
-                ("time", "q"), ("intra", "b"), ("gender", "b"), ("coding_type", "b"), ("fap_quant", "b"),
-                ("faps", "q"), ("faps_set", "b"), ("viseme", "q"), ("viseme_set", "b"),
-                ("expression", "q"), ("expression_set", "b"),
-            )
-        }  # fmt: skip
-        self._state = bytearray()
-        self._baps: dict[int, dict[int, int]] = {}
+        self._faces = FaceColumns()
         self._meshes: MeshArrays | None = None
 
     def begin(self, kind: str) -> None:
@@ -318,57 +308,45 @@ class NpzWriter(FrameWriter):
             raise ResourceLimit(
                 "CNF-22", "frames kept", value=self.frames + 1, allowed=f"at most {self._limits.collected_planes}"
             )
-        columns = self._columns
-        columns["time"].extend(frame.time)
-        columns["intra"].append(frame.intra)
-        for name, value in (
-            ("gender", frame.gender),
-            ("coding_type", frame.coding_type),
-            ("fap_quant", frame.fap_quant),
-        ):
-            columns[name].append(-1 if value is None else value)
-        columns["faps"].extend([0 if value is None else value for value in frame.faps])
-        columns["faps_set"].extend([value is not None for value in frame.faps])
-        columns["viseme"].extend(frame.viseme or (0,) * len(VISEME_KEYS))
-        columns["viseme_set"].append(frame.viseme is not None)
-        columns["expression"].extend(frame.expression or (0,) * len(EXPRESSION_KEYS))
-        columns["expression_set"].append(frame.expression is not None)
-        self._state += frame.state.encode("ascii")
-        if frame.baps is not None:
-            self._baps[self.frames] = frame.baps
+        self._faces.add(frame)
 
     def end(self) -> None:
         if self._meshes is not None:
             self._meshes.write(self._write)
-            return
-        import numpy as np
+        else:
+            write_npz(face_arrays(self._faces, self._readings), self._write)
 
-        count = self.frames
-        columns = self._columns
-        widths = {"time": 2, "faps": FAPS, "viseme": len(VISEME_KEYS), "expression": len(EXPRESSION_KEYS)}
-        arrays: dict[str, Any] = {}
-        for name, values in columns.items():
-            width = widths.get(name.removesuffix("_set") if name == "faps_set" else name)
-            column = np.array(values, dtype=np.int64 if values.typecode == "q" else np.int8)
-            if name == "intra" or name.endswith("_set"):
-                column = column.astype(np.bool_)
-            arrays[name] = column if width is None else column.reshape(count, width)
-        arrays["state"] = np.frombuffer(bytes(self._state), dtype="S1").reshape(count, FAPS)
-        if self._baps:
-            baps = np.zeros((count, BAPS), dtype=np.int64)
-            baps_set = np.zeros((count, BAPS), dtype=np.bool_)
-            for row, values_of_row in self._baps.items():
-                for number, value in values_of_row.items():
-                    baps[row, number - 1] = value
-                    baps_set[row, number - 1] = True
-            arrays["baps"], arrays["baps_set"] = baps, baps_set
-        header = {"format": "snhc-decoded-npz", "version": 1, "kind": "fba", "readings": self._readings.chosen}
-        arrays["header"] = np.array(json.dumps(header))
-        with tempfile.TemporaryFile() as file:
-            np.savez_compressed(file, **arrays)
-            file.seek(0)
-            while chunk := file.read(COPY_BYTES):
-                self._write(chunk)
+
+def face_arrays(columns: FaceColumns, readings: Readings) -> dict[str, Any]:
+    """The arrays of the archive, without copies of the columns. Rules: CNF-1, CNF-25."""
+    import numpy as np
+
+    n = columns.rows
+    arrays: dict[str, Any] = {
+        "time": np.frombuffer(columns.time, np.int64).reshape(n, 2),
+        "intra": np.frombuffer(columns.intra, np.bool_),
+        "gender": np.frombuffer(columns.gender, np.int8),
+        "coding_type": np.frombuffer(columns.coding_type, np.int8),
+        "fap_quant": np.frombuffer(columns.fap_quant, np.int8),
+        "faps": np.frombuffer(columns.faps, np.int64).reshape(n, FAPS),
+        "faps_set": np.frombuffer(columns.faps_set, np.bool_).reshape(n, FAPS),
+        "viseme": np.frombuffer(columns.viseme, np.int64).reshape(n, len(VISEME_KEYS)),
+        "viseme_set": np.frombuffer(columns.viseme_set, np.bool_),
+        "expression": np.frombuffer(columns.expression, np.int64).reshape(n, len(EXPRESSION_KEYS)),
+        "expression_set": np.frombuffer(columns.expression_set, np.bool_),
+        "state": np.frombuffer(columns.state, "S1").reshape(n, FAPS),
+    }
+    if columns.baps:
+        baps = np.zeros((n, BAPS), dtype=np.int64)
+        baps_set = np.zeros((n, BAPS), dtype=np.bool_)
+        for row, values in columns.baps.items():
+            for number, value in values.items():
+                baps[row, number - 1] = value
+                baps_set[row, number - 1] = True
+        arrays["baps"], arrays["baps_set"] = baps, baps_set
+    header = {"format": "snhc-decoded-npz", "version": 1, "kind": "fba", "readings": readings.chosen}
+    arrays["header"] = np.array(json.dumps(header))
+    return arrays
 
 
 # -- mesh formats ------------------------------------------------------------------------------------------------------

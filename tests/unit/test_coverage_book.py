@@ -154,6 +154,7 @@ def test_the_probe_reads_as_the_reader_does() -> None:
     assert checked > 100
 
 
+@pytest.mark.pure
 def test_cells_that_are_known_of_a_vector() -> None:
     entries = [entry for entry in load().entries if entry.id == "fap.arith.error.guard-zero.second"]
     observed = observe(entries, SUITE, ())

@@ -112,7 +112,7 @@ def _truncating(a: int, b: int) -> int:
     return int((a + b) / 2)
 
 
-@pytest.mark.patches
+@pytest.mark.pure
 def test_wrong_means_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     for mean in (_truncating, lambda a, b: (a + b) >> 1):
 
@@ -133,13 +133,13 @@ def test_wrong_means_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
         assert "mesh.motion.rounding" in caught()
 
 
-@pytest.mark.patches
+@pytest.mark.pure
 def test_missing_wrap_is_caught_at_every_range(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motion, "wrap", lambda v, range_code: v)
     assert {f"mesh.motion.range.{code}" for code in range(1, 8)} <= caught()
 
 
-@pytest.mark.patches
+@pytest.mark.pure
 def test_zero_flag_taken_for_the_prediction_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     inner = syntax.mesh_motion
 
