@@ -22,6 +22,7 @@ from ..bitstream.startcodes import MESH_OBJECT, MESH_OBJECT_PLANE, USER_DATA
 from ..entropy.prefix import PrefixTable, shipped_table
 from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault, Step, marker
+from ..syntax.framing import stuffing, user_data
 from ..syntax.temporal import temporal_header
 from .motion import MAX_POSITION, MIN_POSITION, VectorCode, decode_vector, foldovers, has_residual, predict
 from .polygon import first_fault
@@ -31,10 +32,7 @@ from .state import MeshState, reconstruct_mesh
 MESH_OBJECT_START_CODE: Final = Element("mesh_object_start_code", "MSH-1", fixed=True)
 MESH_OBJECT_PLANE_START_CODE: Final = Element("mesh_object_plane_start_code", "MSH-2", fixed=True)
 OBJECT_STUFFING: Final = Element("stuffing", "MSH-2", fixed=True)
-STUFFING: Final = Element("stuffing", "FBA-3", fixed=True)
 PADDING: Final = Element("zero_padding", "MSH-25")
-USER_DATA_START_CODE: Final = Element("user_data_start_code", "MSH-2", fixed=True)
-USER_DATA_BYTES: Final = Element("user_data", "MSH-2")
 IS_INTRA: Final = Element("is_intra", "MSH-2")
 MESH_MASK: Final = Element("mesh_mask", "MSH-2", meaning={0: "no data", 1: "geometry (intra) or motion"})
 MESH_TYPE_CODE: Final = Element("mesh_type_code", "MSH-30", meaning={1: "uniform", 2: "Delaunay"})
@@ -84,9 +82,7 @@ _MOVED_RANGE: Final = Fault(RangeViolation, "MSH-24", "moved position", f"{MIN_P
 _MORE_BOUNDARY: Final = Fault(RangeViolation, "MSH-38", "nr_of_boundary_nodes", "")
 _BROKEN_POLYGON: Final = Fault(InconsistentSemantics, "MSH-11", "node", "")
 _VECTORS: Final = Fault(EncodeError, "MSH-21", "number of vectors", "")
-_WRONG_STUFFING: Final = Fault(ForbiddenValue, "FBA-3", "stuffing of a mesh plane", "")
 _NO_CODE: Final = Fault(ForbiddenValue, "MSH-25", "start code", "a start code, or the end of the data")
-_USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
 
 
 @cache
@@ -161,34 +157,14 @@ def _end_of_plane(io: SyntaxIO, obj: MeshObject, plane: MeshPlane, following: Me
         plane.stuffing = 0
         return False
     plane.stuffing = 1
-    width = 8 - (start & 7)
-    stuffing = (1 << (width - 1)) - 1
-    read = io.u(STUFFING, width, stuffing)
-    io.require(
-        read == stuffing,
-        _WRONG_STUFFING.allowing(f"{stuffing:0{width}b}", "stuffing"),
-        f"{read:0{width}b}",
-        start,
-        io.tell(),
-    )
+    stuffing(io)
     count = 0
     while io.next_code(USER_DATA if count < len(plane.user_data) else 0) == USER_DATA:
-        _user_data(io, plane, count)
+        data = user_data(io, b"" if io.reading else plane.user_data[count])
+        if io.reading:
+            plane.user_data.append(data)
         count += 1
     return _next_plane(io, obj, following)
-
-
-def _user_data(io: SyntaxIO, plane: MeshPlane, i: int) -> None:
-    start = io.tell()
-    io.u(USER_DATA_START_CODE, 32, USER_DATA)
-    data = b"" if io.reading else plane.user_data[i]
-    count = io.bytes_to_prefix(len(data))
-    if count > io.limits.user_data_bytes:
-        fault = _USER_DATA_LIMIT.allowing(f"at most {io.limits.user_data_bytes} bytes")
-        io.require(False, fault, count, start, io.tell() + 8 * count)
-    data = io.raw(USER_DATA_BYTES, count, data)
-    if io.reading:
-        plane.user_data.append(data)
 
 
 def mesh_object_plane(io: SyntaxIO, state: MeshState, plane: MeshPlane) -> None:

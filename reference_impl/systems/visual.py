@@ -10,11 +10,9 @@ from collections.abc import Iterator
 from typing import Final, final
 
 from ..bitstream.errors import (
-    ForbiddenValue,
     InconsistentSemantics,
     InputFormat,
     ReservedValue,
-    ResourceLimit,
     TrailingData,
     Truncated,
     Unsupported,
@@ -34,13 +32,12 @@ from ..mesh.records import MeshObject, MeshPlane
 from ..mesh.syntax import mesh_object
 from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault
+from ..syntax.framing import stuffing, user_data
 from ..tables import profile_level_codes, profile_tools, start_codes
 
 SEQUENCE_START_CODE: Final = Element("visual_object_sequence_start_code", "SYS-2", fixed=True)
 SEQUENCE_END_CODE: Final = Element("visual_object_sequence_end_code", "FBA-1", fixed=True)
 PROFILE_AND_LEVEL: Final = Element("profile_and_level_indication", "SYS-2")
-USER_DATA_START_CODE: Final = Element("user_data_start_code", "SYS-5", fixed=True)
-USER_DATA_BYTES: Final = Element("user_data", "SYS-5")
 VISUAL_OBJECT_START_CODE: Final = Element("visual_object_start_code", "SYS-3", fixed=True)
 IS_VISUAL_OBJECT_IDENTIFIER: Final = Element("is_visual_object_identifier", "SYS-3")
 VISUAL_OBJECT_VERID: Final = Element("visual_object_verid", "SYS-3")
@@ -49,7 +46,6 @@ VISUAL_OBJECT_TYPE: Final = Element(
     "visual_object_type", "SYS-4", lo=1, hi=5, fault=ReservedValue,
     meaning={1: "video", 2: "still texture", 3: "mesh", 4: "FBA", 5: "3D mesh"},
 )  # fmt: skip
-STUFFING: Final = Element("stuffing", "FBA-3", fixed=True)
 TRAILING: Final = Element("trailing_data", "FBA-3")
 
 TYPE_MESH: Final = 3
@@ -73,8 +69,6 @@ _WRONG_OBJECT: Final = Fault(InconsistentSemantics, "SYS-6", "start code", "the 
 _NO_VISUAL_OBJECT: Final = Fault(InconsistentSemantics, "SYS-2", "start code", "visual_object or user_data")
 _TRAILING: Final = Fault(TrailingData, "FBA-3", "data behind the end", "nothing, or another sequence or object")
 _OPEN_USER_DATA: Final = Fault(Truncated, "SYS-5", "user_data", "a start code behind it")
-_WRONG_STUFFING: Final = Fault(ForbiddenValue, "FBA-3", "stuffing of a visual object", "")
-_USER_DATA_LIMIT: Final = Fault(ResourceLimit, "CNF-22", "user_data", "")
 
 
 # Where a stream stands: what may come next depends on it.
@@ -288,12 +282,7 @@ def _sequence_header(io: SyntaxIO, item: StreamItem) -> None:
 
 
 def _user_data(io: SyntaxIO, item: StreamItem) -> None:
-    io.u(USER_DATA_START_CODE, 32, item.code)
-    count = io.bytes_to_prefix(len(item.user_data))
-    if count > io.limits.user_data_bytes:
-        fault = _USER_DATA_LIMIT.allowing(f"at most {io.limits.user_data_bytes} bytes")
-        io.require(False, fault, count, item.start, io.tell() + 8 * count)
-    item.user_data = io.raw(USER_DATA_BYTES, count, item.user_data)
+    item.user_data = user_data(io, item.user_data)
     item.end = io.tell()
     # Only a start code ends user data, and an object must follow it anyway.
     io.require(not io.reading or not io.at_end(False), _OPEN_USER_DATA, None, item.start, item.end)
@@ -312,17 +301,7 @@ def _visual_object(io: SyntaxIO, item: StreamItem) -> int:
     start = io.tell()
     header.type = io.u(VISUAL_OBJECT_TYPE, 4, header.type)
     io.require(header.type in (TYPE_FBA, TYPE_MESH), _NOT_BUILT_TYPE, header.type, start, io.tell())
-    width = 8 - (io.tell() & 7)
-    stuffing = (1 << (width - 1)) - 1
-    start = io.tell()
-    read = io.u(STUFFING, width, stuffing)
-    io.require(
-        read == stuffing,
-        _WRONG_STUFFING.allowing(f"{stuffing:0{width}b}", "stuffing"),
-        f"{read:0{width}b}",
-        start,
-        io.tell(),
-    )
+    stuffing(io)
     item.end = io.tell()
     return header.type
 
