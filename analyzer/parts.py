@@ -55,6 +55,10 @@ class Selection:
     last: int | None
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
+
+
 class Part:
     """A part of a trace with its place in the stream.
 
@@ -84,7 +88,8 @@ class Parts:
     Rules: CNF-17, CNF-19.
 
     Making it reads the first part: InputFormat, where the data is no visual stream at all, is raised there. Any other
-    fault ends the last part, and then stands in `error`.
+    fault ends the last part, and then stands in `error`. `missed`: after the last part, what the selection asked for
+    and the stream does not hold; empty where it had something to show.
     """
 
     def __init__(self, parts: Iterator[TracePart], selection: Selection | None = None) -> None:
@@ -92,13 +97,16 @@ class Parts:
         self.selection = selection
         self._first = next(parts, None)
         self.error: SnhcError | None = None
+        self.missed = ""
         self._end = 0
         if self._first is not None and isinstance(self._first.error, InputFormat):
             raise self._first.error
 
     def __iter__(self) -> Iterator[Part]:
         wanted = self.selection
+        objects = planes = 0
         for part, object_number in self._numbered():
+            objects = object_number + 1
             if part.error is not None:
                 self.error = part.error
             if len(part.trace):
@@ -106,10 +114,16 @@ class Parts:
             if wanted is None or part.error is not None:
                 yield part
             elif object_number == wanted.object_number and part.plane is not None:
+                planes = part.plane_number + 1
                 if part.plane_number >= wanted.first:
                     yield part
-                if wanted.last is not None and part.plane_number + 1 >= wanted.last:
+                if wanted.last is not None and planes >= wanted.last:
                     return
+        if wanted is not None and planes <= wanted.first and self.error is None:
+            what = f"object {wanted.object_number} has {_count(planes, 'plane')}"
+            if wanted.object_number >= objects:
+                what = f"the stream has {_count(objects, 'object')}"
+            self.missed = f"{what}; the first is number 0"
 
     def unclaimed(self, source: Source) -> tuple[int, int] | None:
         """The bits that no row claims because a fault ended the trace; None without one, or where none are left.

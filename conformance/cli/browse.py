@@ -9,8 +9,7 @@ import sys
 
 import click
 
-from .common import Common, common_options, open_input
-from .dump import parse_planes
+from .common import Common, common_options, open_input, parse_planes
 from .extras import MissingExtra
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path, PurePath
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "REPORT_FORMATS", "REPORT_SUFFIXES", "Common", "FindingReport", "Output", "colour_allowed", "common_options",
     "format_of", "near", "open_binary",
-    "open_input", "parse_limits", "parse_readings", "progress",
+    "open_input", "parse_limits", "parse_planes", "parse_readings", "progress",
 ]  # fmt: skip
 
 # Of reports; here, so that the help of a verb imports no report.
@@ -168,6 +169,23 @@ def parse_limits(values: tuple[str, ...]) -> dict[str, int]:
             raise click.BadParameter(f"{text!r} is not of the form name=value with a whole number")
         changes[name] = int(number)
     return changes
+
+
+def parse_planes(value: str | None) -> tuple[int, int | None] | None:
+    """`A:B`, `A:`, `:B` or `A` as (first, behind the last), None for no end.
+
+    Rules: CNF-19. Planes count from 0. Raises click.BadParameter.
+    """
+    if value is None:
+        return None
+    match = re.fullmatch(r"(\d{0,12})(:?)(\d{0,12})", value, re.ASCII)
+    if match is None or not (match[1] or match[3]):
+        raise click.BadParameter(f"{value!r} is not of the form A:B, A:, :B or A")
+    first = int(match[1] or 0)
+    last = int(match[3]) if match[3] else None if match[2] else first + 1
+    if last is not None and last <= first:
+        raise click.BadParameter(f"{value!r} holds no plane")
+    return first, last
 
 
 def near(word: str, known: Iterable[str]) -> str:

@@ -6,32 +6,14 @@ Rules: CNF-17, CNF-19, CNF-21, CNF-23.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator
 from typing import Final
 
 import click
 
-from .common import Common, Output, colour_allowed, common_options, format_of, open_input
+from .common import Common, Output, colour_allowed, common_options, format_of, open_input, parse_planes
 
 _SUFFIXES: Final = {".txt": "tree", ".json": "json", ".csv": "csv"}
-
-
-def parse_planes(value: str | None) -> tuple[int, int | None] | None:
-    """`A:B`, `A:`, `:B` or `A` as (first, behind the last), None for no end.
-
-    Rules: CNF-19. Planes count from 0. Raises click.BadParameter.
-    """
-    if value is None:
-        return None
-    match = re.fullmatch(r"(\d{0,12})(:?)(\d{0,12})", value, re.ASCII)
-    if match is None or not (match[1] or match[3]):
-        raise click.BadParameter(f"{value!r} is not of the form A:B, A:, :B or A")
-    first = int(match[1] or 0)
-    last = int(match[3]) if match[3] else None if match[2] else first + 1
-    if last is not None and last <= first:
-        raise click.BadParameter(f"{value!r} holds no plane")
-    return first, last
 
 
 def _write_paged(pieces: Iterator[str]) -> None:
@@ -107,6 +89,8 @@ def command(
         else:
             for piece in pieces:
                 out.write(piece)
+        if parts.missed and not common.quiet:
+            click.echo(f"note: nothing of --planes is there: {parts.missed}", err=True)
         if parts.error is not None:
             # The dump says itself where and why it ends, so it is whole.
             out.keep()

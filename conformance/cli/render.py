@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import Common, Output, common_options, format_of, open_binary, open_input, progress
+from .common import Common, Output, common_options, format_of, open_binary, open_input, parse_planes, progress
 from .extras import needs_view
 
 if TYPE_CHECKING:
@@ -26,22 +26,10 @@ if TYPE_CHECKING:
 SUFFIXES = {".png": "png", ".gif": "gif", ".glb": "glb"}
 # The keys of `face_render.VIEWS`, spelled out so that `--help` loads no numpy; a test compares them.
 VIEWS = ("front", "three-quarter", "side")
+# Its MIN_SIDE and MAX_SIDE, alike.
+SIDES = (16, 4096)
 FOR_FACES = ("model", "size", "view", "software", "interactive")
 FOR_MESHES = ("texture", "scale", "no_numbers")
-
-
-def parse_planes(value: str | None) -> tuple[int, int | None]:
-    """`A:B`, `A:`, `:B` or `A` (that one) as first and behind the last. Rules: CNF-19. Raises click.BadParameter."""
-    if value is None:
-        return 0, None
-    match = re.fullmatch(r"(\d{0,9})(:?)(\d{0,9})", value, re.ASCII)
-    if match is None or (not match[2] and (not match[1] or match[3])):
-        raise click.BadParameter(f"{value!r} is not of the form A:B")
-    first = int(match[1] or 0)
-    last = first + 1 if not match[2] else int(match[3]) if match[3] else None
-    if last is not None and last <= first:
-        raise click.BadParameter(f"{value!r} holds no plane")
-    return first, last
 
 
 def parse_size(value: str | None) -> tuple[int, int] | None:
@@ -51,14 +39,17 @@ def parse_size(value: str | None) -> tuple[int, int] | None:
     match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", value, re.ASCII)
     if match is None:
         raise click.BadParameter(f"{value!r} is not of the form WIDTHxHEIGHT")
-    return int(match[1]), int(match[2])
+    size = int(match[1]), int(match[2])
+    if not all(SIDES[0] <= side <= SIDES[1] for side in size):
+        raise click.BadParameter(f"{value!r}: width and height are {SIDES[0]} to {SIDES[1]} pixels")
+    return size
 
 
 @click.command()
 @click.argument("file")
 @click.option("--texture", metavar="IMAGE", help="Warp this picture along with the mesh.")
 @click.option(
-    "--planes", metavar="A:B", callback=lambda ctx, param, value: parse_planes(value),
+    "--planes", metavar="A:B", callback=lambda ctx, param, value: parse_planes(value) or (0, None),
     help="Frames from A up to, not including, B; the first is 0. Default: all.",
 )  # fmt: skip
 @click.option(

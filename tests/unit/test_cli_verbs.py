@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from syrupy.assertion import SnapshotAssertion
 
-from snhc.conformance.cli import VERBS, dump, encode, snhc
+from snhc.conformance.cli import VERBS, common, encode, snhc
 from snhc.reference_impl.face.fap_text import read_fap
 from snhc.reference_impl.systems.stream import read_stream
 
@@ -85,16 +85,30 @@ def test_decode_and_dump_report_the_same_fault() -> None:
 
 
 def test_plane_ranges() -> None:
-    assert dump.parse_planes("2:5") == (2, 5)
-    assert dump.parse_planes("2:") == (2, None)
-    assert dump.parse_planes(":5") == (0, 5)
-    assert dump.parse_planes("3") == (3, 4)
+    assert common.parse_planes("2:5") == (2, 5)
+    assert common.parse_planes("2:") == (2, None)
+    assert common.parse_planes(":5") == (0, 5)
+    assert common.parse_planes("3") == (3, 4)
     for wrong in ("", ":", "5:2", "a", "1:2:3", "-1"):
         with pytest.raises(click.BadParameter):
-            dump.parse_planes(wrong)
+            common.parse_planes(wrong)
     result = run("dump", "-", "--planes", "1", stdin=WORKED)
     assert "plane[1]" in result.stdout
     assert "plane[0]" not in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [(("--planes", "3:"), "object 0 has 3 planes"), (("--planes", "0", "--object", "1"), "the stream has 1 object"),
+     (("--planes", "9", "--format", "json"), "object 0 has 3 planes")],
+)  # fmt: skip
+def test_a_dump_of_planes_that_are_not_there_says_so(args: tuple[str, ...], said: str) -> None:
+    result = run("dump", "-", *args, stdin=WORKED)
+    assert result.exit_code == 0 and said in result.stderr and "plane[" not in result.stdout
+    assert "note:" not in run("dump", "-", *args, "--quiet", stdin=WORKED).stderr
+    assert "note:" not in run("dump", "-", "--planes", "2:9", stdin=WORKED).stderr
+    # Where a fault ends the stream, nobody knows how many planes it has.
+    assert "note:" not in run("dump", "-", *args, stdin=WORKED[:20]).stderr
 
 
 # -- encode ------------------------------------------------------------------------------------------------------------

@@ -21,6 +21,8 @@ from snhc.analyzer.face_output import Drawing, drawn_count, face_file, pick_fram
 from snhc.analyzer.face_pictures import gif_plan, png, sheet, spread
 from snhc.analyzer.face_render import (
     BACKGROUND,
+    MAX_SIDE,
+    MIN_SIDE,
     VIEWS,
     Camera,
     Picture,
@@ -307,6 +309,7 @@ def stream(tmp_path: Path) -> Path:
 
 def test_views_are_those_of_the_renderer() -> None:
     assert tuple(VIEWS) == render_verb.VIEWS
+    assert (MIN_SIDE, MAX_SIDE) == render_verb.SIDES
 
 
 def test_the_verb_draws_faces(stream: Path, tmp_path: Path) -> None:
@@ -323,9 +326,10 @@ def test_the_verb_refuses(stream: Path, tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     target = tmp_path / "p.png"
-    for args in (("--size", "50"), ("--texture", "x.png"), ("--scale", "2"), ("--view", "back"), ("--interactive",)):
+    for size in ("50", "0x0", "5x5", "400x0", "4097x400"):
+        assert run("render", stream, "-o", target, "--software", "--size", size).exit_code == 2, size
+    for args in (("--texture", "x.png"), ("--scale", "2"), ("--view", "back"), ("--interactive",)):
         assert run("render", stream, "-o", target, *args).exit_code == 2, args
-    assert run("render", stream, "-o", target, "--software", "--size", "5x5").exit_code == 4
     assert run("render", stream, "-o", target, "--software", "--planes", "9:").exit_code == 3
     assert run("render", stream, "-o", target, "--model", tmp_path / "none.json").exit_code == 3
     assert not target.exists()
