@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from snhc.conformance.cli import snhc
 from snhc.reference_impl.bitstream.errors import (
     EncodeError,
     ForbiddenValue,
@@ -20,6 +24,7 @@ from snhc.reference_impl.bitstream.errors import (
 )
 from snhc.reference_impl.bitstream.limits import Limits
 from snhc.reference_impl.face.epf_text import (
+    _TAGS,
     CodedFrame,
     EncoderParameters,
     EpfReader,
@@ -27,6 +32,7 @@ from snhc.reference_impl.face.epf_text import (
     read_epf,
     write_epf,
 )
+from snhc.reference_impl.systems.stream import decode_frames
 from snhc.reference_impl.tables import bap_groups, fap_groups
 
 FACE_SIZES = [group.count for group in fap_groups()]
@@ -317,3 +323,21 @@ def test_a_broken_file_gives_blocks_or_one_located_fault(edits: list[tuple[int, 
         assert error.column >= 1
     else:
         assert read_epf([b"".join(write_epf(read))], strict=True) == read
+
+
+def test_the_example_of_the_page_encodes(tmp_path: Path) -> None:
+    page = Path(__file__).parents[2] / "docs" / "formats-epf.md"
+    example = page.read_text().split("```")[1]
+    mask = " ".join("1" if fap in (3, 17, 18, 48, 49, 50) else "0" for fap in range(1, 69))
+    (tmp_path / "e.fap").write_text("2.1 e 25 3\n" + "".join(f"{mask}\n{n} 100 0 0 9 9 {n}\n" for n in range(3)))
+    (tmp_path / "e.epf").write_text(example)
+    args = ["encode", str(tmp_path / "e.fap"), "--epf", str(tmp_path / "e.epf"), "-o", str(tmp_path / "e.fba")]
+    assert CliRunner().invoke(snhc, args).exit_code == 0
+    frames = list(decode_frames((tmp_path / "e.fba").read_bytes()))
+    assert [frame.time for frame in frames] == [(0, 1), (2, 25)]
+    assert frames[0].fap_quant == 4
+
+
+def test_the_page_names_every_tag() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "formats-epf.md").read_text()
+    assert {*_TAGS, "FBM", "ISI"} == set(re.findall(r"`([A-Z]{2,3})`", page.split("## Tags")[1].split("## What")[0]))
