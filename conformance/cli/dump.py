@@ -6,14 +6,16 @@ Rules: CNF-17, CNF-19, CNF-21, CNF-23.
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
+from pathlib import PurePath
 from typing import Final
 
 import click
 
 from .common import Common, Output, colour_allowed, common_options, format_of, open_input, parse_planes
 
-_SUFFIXES: Final = {".txt": "tree", ".json": "json", ".csv": "csv"}
+_SUFFIXES: Final = {".txt": "tree", ".json": "json", ".csv": "csv", ".html": "html", ".htm": "html"}
 
 
 def _write_paged(pieces: Iterator[str]) -> None:
@@ -25,7 +27,7 @@ def _write_paged(pieces: Iterator[str]) -> None:
 @click.command()
 @click.argument("file")
 @click.option(
-    "--format", "format_", type=click.Choice(("tree", "json", "csv")),
+    "--format", "format_", type=click.Choice(("tree", "json", "csv", "html")),
     help="Default: by the extension of -o, else tree.",
 )  # fmt: skip
 @click.option(
@@ -60,9 +62,14 @@ def command(
     """Show what every bit of a stream is.
 
     Each element with its bit span [first, end), its bytes, value and rule. A fault stands in its place, behind it the
-    bits that it leaves unread. FILE: - for standard input. json can be encoded again.
+    bits that it leaves unread. FILE: - for standard input. html is one page that shows all of it; json can be encoded
+    again.
     """
     chosen = format_of(format_, common.output, _SUFFIXES, "tree")
+    if chosen == "html" and query is not None:
+        raise click.UsageError("a page is searched in the page; --query is for tree, json and csv")
+    if chosen == "html" and common.output is None and sys.stdout.isatty():
+        raise click.UsageError("a page is not for terminals; give -o FILE.html")
     from snhc.analyzer.dump import TreeOptions, dump_tree
     from snhc.analyzer.parts import Parts, Selection
     from snhc.analyzer.query import Query
@@ -72,7 +79,7 @@ def command(
     wanted = Query(query) if query is not None else None
     selection = None if planes is None else Selection(object_number, *planes)
     with open_input(file) as source, Output(common.output, common.keep_partial) as out:
-        parts = Parts(trace_stream(source, options, symbols=symbols), selection)
+        parts = Parts(trace_stream(source, options, symbols=symbols or chosen == "html"), selection)
         if chosen == "json":
             from snhc.analyzer.dump_json import dump_json
 
@@ -81,6 +88,11 @@ def command(
             from snhc.analyzer.dump_csv import dump_csv
 
             pieces = dump_csv(parts, source, symbols, wanted)
+        elif chosen == "html":
+            from snhc.analyzer.html.page import dump_html
+
+            name = "standard input" if file == "-" else PurePath(file).name
+            pieces = dump_html(parts, source, options, name, symbols)
         else:
             tree = TreeOptions(depth, symbols, all_bytes, colour_allowed(out.is_terminal))
             pieces = dump_tree(parts, source, tree, wanted)

@@ -93,9 +93,11 @@ def channels(frames: Sequence[FrameLike], readings: FatReadings = DEFAULT_READIN
 
 
 @dataclass(frozen=True, slots=True)
-class _Column:
+class Hinge:
     """One hinge: sign * clamp(side * (amplitude - start), 0, length); `side` 0 is the linear one, without
     clamp.
+
+    Rules: FAT-3, FAT-4, FAT-5.
     """
 
     channel: int
@@ -105,19 +107,19 @@ class _Column:
     sign: float
 
 
-def _columns(borders: Sequence[int], source: int, readings: FatReadings) -> Iterator[tuple[int, _Column]]:
-    """(interval, hinge) of one mesh table; end intervals have no upper clamp (FAT-4)."""
+def hinges(borders: Sequence[int], source: int, readings: FatReadings) -> Iterator[tuple[int, Hinge]]:
+    """(interval, hinge) of one mesh table; end intervals have no upper clamp. Rules: FAT-3, FAT-4, FAT-5."""
     intervals = len(borders) - 1
     if intervals == 1:
-        yield 0, _Column(source, 0.0, 0, np.inf, 1.0)
+        yield 0, Hinge(source, 0.0, 0, np.inf, 1.0)
         return
     for j in range(intervals):
         length = float(borders[j + 1] - borders[j])
         if borders[j] >= 0:
-            yield j, _Column(source, float(borders[j]), 1, np.inf if j == intervals - 1 else length, 1.0)
+            yield j, Hinge(source, float(borders[j]), 1, np.inf if j == intervals - 1 else length, 1.0)
         else:
             sign = -1.0 if readings.sign == "slope" else 1.0
-            yield j, _Column(source, float(borders[j + 1]), -1, np.inf if j == 0 else length, sign)
+            yield j, Hinge(source, float(borders[j + 1]), -1, np.inf if j == 0 else length, sign)
 
 
 class _Mesh:
@@ -131,7 +133,7 @@ class _Mesh:
     def __init__(self, document: FatDocument, name: str, readings: FatReadings) -> None:
         neutral = document.meshes[name].vertices
         self.vertices = len(neutral)
-        uses: dict[_Column, list[tuple[FaceDefMesh, int, float]]] = {}
+        uses: dict[Hinge, list[tuple[FaceDefMesh, int, float]]] = {}
         for table in document.tables:
             source = channel(table.fap_id, table.high_level_select)
             if source < 0:
@@ -139,7 +141,7 @@ class _Mesh:
             unit = document.fapu.unit(fap_unit_names()[table.fap_id - 1]) or 0.0
             for mesh in table.meshes:
                 if mesh.mesh == name and len(mesh.coord_index):
-                    for interval, column in _columns(mesh.interval_borders, source, readings):
+                    for interval, column in hinges(mesh.interval_borders, source, readings):
                         uses.setdefault(column, []).append((mesh, interval, unit))
         self.columns = tuple(uses)
         shape = (1 + len(uses), self.vertices, 3)
