@@ -31,6 +31,7 @@ VERBS: Final = {
     "generate": "Make the suite's vectors, check or export them, or list changes.",
     "coverage": "Show what the suite covers, and its holes.",
     "run": "Run decoders against the suite.",
+    "minimize": "Shrink an input while a decoder still fails on it in the same way.",
     "report": "Render saved results, and join those of several runs.",
     "rules": "Print the rules, ambiguities and findings.",
 }
