@@ -137,7 +137,7 @@ def unrounded(data: bytes, readings: Readings = DEFAULT_READINGS) -> list[Unroun
 def _vertex_bound(data: bytes, aux: bytes, readings: Readings) -> float:
     frames = list(read_frames(BytesIO(aux)))
     bulk = BulkFat(fat.parse_fat_json(data), fat_readings(readings))
-    return max(float(bound.max(initial=0.0)) for bound in bulk.bound(frames).values())
+    return max((float(bound.max(initial=0.0)) for bound in bulk.bound(frames).values()), default=0.0)
 
 
 def _unit_bound(face: FaceDefinition) -> float:
