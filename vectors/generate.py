@@ -20,6 +20,9 @@ from .recipe import Recipe, all_recipes
 __all__ = ["Mismatch", "RecipeFault", "build_suite", "check", "compare", "generate", "make", "tombstones"]
 
 SUITE_VERSION: Final = "0.1.0"
+# Stands in a folder while a suite is written to it, and remains where that was cut short.
+UNFINISHED: Final = ".snhc-unfinished"
+_LEFT_OVER: Final = "left over"
 TOMBSTONES: Final = Path(__file__).parent / "tombstones.toml"
 
 
@@ -70,23 +73,39 @@ def build_suite(
 def generate(target: Path = SUITE) -> dict[str, bytes]:
     """Write the suite to a folder, which then holds nothing else. Rules: CNF-4.
 
-    Refuses (RecipeFault) a folder that is neither empty nor a suite.
+    Refuses (RecipeFault) a folder that is neither empty nor a suite. A kill at any moment leaves every file whole, and
+    a manifest that is the old or the new one; generating again completes the folder.
     """
     files = build_suite()
-    if target.exists() and any(target.iterdir()) and not (target / MANIFEST_NAME).is_file():
+    mark = target / UNFINISHED
+    if target.exists() and any(target.iterdir()) and not ((target / MANIFEST_NAME).is_file() or mark.is_file()):
         raise RecipeFault(f"{target} is neither empty nor a suite")
-    for mismatch in compare(files, target):
-        if mismatch.what == "left over":
-            path = target / mismatch.file
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path)
-            else:
-                path.unlink()
-            continue
+    mismatches = compare(files, target)
+    if not mismatches:
+        return files
+    target.mkdir(parents=True, exist_ok=True)
+    mark.write_bytes(b"")
+    # The manifest speaks of the files, so it comes behind all that it names and before what it no longer names goes.
+    for mismatch in sorted(mismatches, key=lambda one: (one.what == _LEFT_OVER, one.file == MANIFEST_NAME)):
         path = target / mismatch.file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(files[mismatch.file])
+        if mismatch.what != _LEFT_OVER:
+            _put(path, files[mismatch.file])
+        elif path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        elif path != mark:
+            # What a kill left of a file may have become that file again.
+            path.unlink(missing_ok=True)
+    mark.unlink()
     return files
+
+
+def _put(path: Path, content: bytes) -> None:
+    """The whole content or none of it. A link stays a link: what it points to is replaced."""
+    place = path.resolve()
+    place.parent.mkdir(parents=True, exist_ok=True)
+    fresh = place.with_name(f".{place.name[:200]}.part")
+    fresh.write_bytes(content)
+    fresh.replace(place)
 
 
 def check(folder: Path = SUITE) -> list[Mismatch]:
@@ -103,5 +122,5 @@ def compare(files: dict[str, bytes], folder: Path) -> list[Mismatch]:
             out.append(Mismatch(name, "missing"))
         elif (folder / name).read_bytes() != content:
             out.append(Mismatch(name, "differs"))
-    out += [Mismatch(name, "left over") for name in there - set(files)]
+    out += [Mismatch(name, _LEFT_OVER) for name in there - set(files)]
     return sorted(out, key=lambda mismatch: mismatch.file)

@@ -75,11 +75,12 @@ class Output:
             self._prompt = self._prompt or sys.stdout.isatty()
         elif target.exists() and not target.is_file():
             # A device or a named pipe cannot be replaced.
-            self._file = target.open("wb")
+            self._file = target.open("wb", buffering=0)
         else:
             self._temporary = target.with_name(f".{target.name[:200]}.{os.getpid()}.part")
             try:
-                self._file = self._temporary.open("xb")
+                # Pieces are gathered already; a second buffer would fail once more when it is closed.
+                self._file = self._temporary.open("xb", buffering=0)
             except OSError as error:
                 # The file that was asked for is the one to name.
                 raise OSError(error.errno, error.strerror, str(target)) from None
@@ -98,10 +99,16 @@ class Output:
         data = memoryview(b"".join(self._pieces))
         self._pieces.clear()
         self._size = 0
-        while data:
-            # An unbuffered standard output may take less than it is given.
-            data = data[self._file.write(data) :]
-        self._file.flush()
+        try:
+            while data:
+                # An unbuffered standard output may take less than it is given.
+                data = data[self._file.write(data) :]
+            self._file.flush()
+        except OSError as error:
+            if self._target is None or error.filename is not None:
+                raise
+            # The file that was asked for is the one to name.
+            raise OSError(error.errno, error.strerror, str(self._target)) from None
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
         if self._target is None:
