@@ -1,7 +1,7 @@
 """The encoder of DCT segments: requests for instants become planes of 16 of them.
 
-Rules: DCT-1..7, DCT-9, DCT-10, DCT-13, FBA-43. Informative: which coefficients are sent is the encoder's choice.
-Not here: BAP data beside DCT segments, which readers and writers take (FBA-40).
+Rules: DCT-1..7, DCT-9, DCT-10, DCT-13, FBA-40, FBA-43. Informative: which coefficients are sent is the encoder's
+choice.
 """
 
 from __future__ import annotations
@@ -15,12 +15,14 @@ from ..bitstream.findings import Finding
 from ..bitstream.startcodes import FBA_OBJECT_PLANE
 from ..rules import finding as registered_finding
 from ..syntax.base import PLANE, STUFFED_CODE
+from ..syntax.element import DEFAULT_READINGS
 from .dct_encode import quantise_segment, run_levels
 from .dct_syntax import END_OF_SEGMENT, SEGMENT, CoefficientRun, SegmentData
 from .dct_transform import ac_step
-from .encode import EncoderOptions, take_header
+from .encode import Encoder, EncoderOptions
+from .encode_part import PartEncoder, take_header
 from .parameters import LARGEST_SELECT, fap_set
-from .records import FbaPlane
+from .records import FbaPlane, ParameterData
 from .requests import PartRequest, PlaneRequest, group_masks_of, selected_of
 from .syntax import new_plane
 
@@ -33,19 +35,30 @@ _AC_TABLE: Final = range(-256, 256)
 class DctEncoder:
     """Turns plane requests into planes with DCT segments.
 
-    Rules: DCT-1..7, DCT-9, DCT-10, DCT-13.
+    Rules: DCT-1..7, DCT-9, DCT-10, DCT-13, FBA-40.
 
     Sixteen instants make a segment, whatever their masks: its mask is the union of theirs, and a FAP that a frame
     does not have keeps its last value (finding `masks-joined`). Skipped frames inside a segment repeat the frame
     before them. A segment is cut short only where the quantiser or the clock changes or an intra plane is asked for;
     it is then filled by repeating its last frame (finding `encode-extended`), as the last one is. The first segment,
     every eighth one and one with new masks are intra; `options.intra_period` counts planes, which are segments here.
+
+    A plane has one set of BAPs, which belongs to its first instant: that of this instant, or where it has none the
+    last one since the plane before. Others are left out (finding `baps-thinned`). New masks or another quantiser of
+    the body make the plane intra. `body`: gives the body's part of the encoder whose planes stand around these.
     """
 
     def __init__(
-        self, options: EncoderOptions | None = None, on_finding: Callable[[Finding], None] | None = None
+        self,
+        options: EncoderOptions | None = None,
+        on_finding: Callable[[Finding], None] | None = None,
+        body: Callable[[], PartEncoder] | None = None,
     ) -> None:
         self.options = options if options is not None else EncoderOptions()
+        self._body = body if body is not None else Encoder(options).body
+        self._waiting: PartRequest | None = None
+        self._period: list[FbaPlane] = []
+        self._ready: list[FbaPlane] = []
         self.findings: list[Finding] = []
         self._on_finding = on_finding if on_finding is not None else self.findings.append
         self._dc: dict[int, int] = {}
@@ -56,13 +69,35 @@ class DctEncoder:
         self._in_force: tuple[list[int], list[int], int] | None = None
 
     def encode(self, requests: Iterable[PlaneRequest]) -> Iterator[FbaPlane]:
-        """The planes of a sequence of requests. Rules: DCT-13. Raises EncodeError for a request without FAPs."""
+        """The planes of a sequence of requests; with BAPs a period is held back until it is complete.
+
+        Rules: DCT-13, FBA-43. Raises EncodeError for a request without FAPs.
+        """
+        for plane in self._planes(requests):
+            yield from self._drain()
+            self._period.append(plane)
+            if plane.baps is None and len(self._period) == 1:
+                yield self._period.pop()
+        self._end_period()
+        yield from self._drain()
+
+    def _drain(self) -> Iterator[FbaPlane]:
+        yield from self._ready
+        self._ready = []
+
+    def _end_period(self) -> None:
+        # The limits of the body are chosen once all levels up to the next intra plane are known.
+        if self._period:
+            self._body().set_limits(self.options.ranges)
+            self._body().forget()
+        self._ready += self._period
+        self._period = []
+
+    def _planes(self, requests: Iterable[PlaneRequest]) -> Iterator[FbaPlane]:
         batch: list[PlaneRequest] = []
         for request in requests:
-            if request.face is None or request.body is not None:
-                raise EncodeError(
-                    "DCT-1", "DCT segment", path=f"frame[{request.number}]", allowed="FAPs, and no BAPs beside them"
-                )
+            if request.face is None:
+                raise EncodeError("DCT-1", "DCT segment", path=f"frame[{request.number}]", allowed="FAPs")
             if batch and (len(batch) == SEGMENT or _breaks(batch[-1], request)):
                 yield self._plane(batch, 0)
                 batch = []
@@ -89,8 +124,12 @@ class DctEncoder:
         period = self.options.intra_period if self.options.intra_period is not None else SEGMENTS_PER_INTRA
         clock = first.header.is_frame_rate or first.header.is_time_code
         is_intra = header != self._in_force or bool(first.is_intra) or self._since_intra >= period or bool(clock)
+        body = self._body_of(batch)
+        is_intra = is_intra or (body is not None and self._body().changed(body))
+        if is_intra:
+            self._end_period()
         self._since_intra = 1 if is_intra else self._since_intra + 1
-        plane = new_plane(1, int(is_intra))
+        plane = new_plane(1 if body is None else 3, int(is_intra))
         plane.header = copy(first.header)
         plane.header.skip_frames = 1 if skipped else 0
         plane.header.number_of_frames_to_skip = skipped
@@ -107,7 +146,32 @@ class DctEncoder:
         plane.faps.segment = self._segment(
             selected_of(fap_set(), types, masks), quant, instants, is_intra, first.number
         )
+        if body is not None and plane.baps is not None:
+            self._put_body(body, plane.baps, is_intra, first.number)
         return plane
+
+    def _body_of(self, batch: list[PlaneRequest]) -> PartRequest | None:
+        """The BAPs of a segment's plane; those of its other instants wait for the next one, the last of them."""
+        sent = batch[0].body if batch[0].body is not None else self._waiting
+        self._waiting = None
+        lost = set()
+        for request in batch[1:]:
+            if request.body is not None and request is not batch[0]:
+                self._waiting = request.body
+                if sent is None or request.body.targets != sent.targets:
+                    lost.add(request.number)
+        if lost:
+            self._report("baps-thinned", batch[0].number, f"a segment has one set of BAPs; {len(lost)} are left out")
+        return sent
+
+    def _put_body(self, body: PartRequest, data: ParameterData, is_intra: bool, frame: int) -> None:
+        part = self._body()
+        if is_intra:
+            take_header(data, body)
+            part.state.select(data, DEFAULT_READINGS)
+            part.begin(body, data)
+        for message in part.put(body, data, is_intra):
+            self._report("value-clipped", frame, message)
 
     def _joined(self, instants: list[PartRequest], frame: int) -> tuple[list[int], list[int], int]:
         """Masks of all instants together."""

@@ -20,26 +20,19 @@ from ..bitstream.startcodes import FBA_OBJECT_PLANE
 from ..rules import finding as registered_finding
 from ..syntax.base import PLANE, STUFFED_CODE
 from ..syntax.element import DEFAULT_READINGS
+from .encode_part import PartEncoder, quantise, take_header
 from .parameters import (
     EXPRESSION_LABELS,
-    I_MAX,
-    I_MIN,
     LARGEST_SELECT,
-    LARGEST_V,
-    LIMIT_UNIT,
-    P_MAX,
-    P_MIN,
-    SIGNS,
     VISEME_LABELS,
     high_level_quantised,
 )
-from .reconstruct import high_level_values, parameter_values
+from .reconstruct import high_level_values
 from .records import FbaPlane, ParameterData
 from .requests import PartRequest, PlaneRequest
-from .state import FaceState, ParameterState
+from .state import FaceState
 from .syntax import new_plane
 
-LARGEST_LIMIT: Final = LARGEST_V * LIMIT_UNIT
 LONGEST_PERIOD: Final = 250
 
 
@@ -59,141 +52,6 @@ class EncoderOptions:
     start_codes: str = "none"
 
 
-def quantise(x: int, step: int) -> int:
-    """The level of a value or difference. Rules: FBA-36. `step` 0: the level is the value."""
-    if step == 0:
-        return x
-    magnitude = abs(x)
-    if magnitude <= step // 2:
-        return 0
-    level = (magnitude + step // 2) // step
-    return level if x > 0 else -level
-
-
-def smallest_v(level: int, divisor: int) -> int:
-    """The smallest v whose limit, divided, still holds |level|. Rules: FBA-16, FBA-17."""
-    return -(-abs(level) * divisor // LIMIT_UNIT)
-
-
-class _Part:
-    """Levels and limits of the FAPs 3..68 or the BAPs, over one period."""
-
-    def __init__(self, state: ParameterState) -> None:
-        self.state = state
-        self.request: PartRequest | None = None
-        self.intra: ParameterData | None = None
-        # Per list and number, the largest magnitude that the period needs.
-        self.needed: list[dict[int, int]] = [{}, {}, {}, {}]
-        self.sent: list[set[int]] = [set(), set(), set(), set()]
-        # Whether the intra plane of this period carries the part; else its limits stand as they were sent before.
-        self.in_period = False
-
-    def _unsure(self, which: int, number: int) -> bool:
-        """Whether decoders may disagree about a limit that was never sent: no default, or AMB-FBA-2."""
-        if number in self.sent[which]:
-            return False
-        parameters = self.state.parameters
-        return not parameters.has_defaults[number] or number in parameters.disputed
-
-    def bounds(self, number: int, is_intra: bool) -> tuple[int, int]:
-        """The levels that can be sent at all."""
-        if not self.in_period:
-            return self.state.in_force[P_MIN][number], self.state.in_force[P_MAX][number]
-        divisor = self.state.scale or 1
-        out = []
-        for which in (I_MIN, I_MAX) if is_intra else (P_MIN, P_MAX):
-            limit = LARGEST_LIMIT
-            given = self.request.limits[which] if self.request is not None else None
-            if given is not None:
-                limit = abs(given.get(number, 0))
-            out.append(SIGNS[which] * (limit // divisor))
-        return out[0], out[1]
-
-    def levels(self, targets: dict[int, int], is_intra: bool) -> list[int]:
-        state = self.state
-        values = state.values
-        return [
-            quantise(targets[number] - (0 if is_intra else values[number]), step)
-            for number, step in zip(state.selected, state.steps, strict=True)
-        ]
-
-    def fits(self, levels: list[int]) -> bool:
-        """Whether the levels of an inter plane can be sent."""
-        for number, level in zip(self.state.selected, levels, strict=True):
-            low, high = self.bounds(number, False)
-            if not low <= level <= high:
-                return False
-        return True
-
-    def clip(self, levels: list[int], is_intra: bool) -> Iterator[tuple[int, int, int]]:
-        """Clip levels in place; yields (number, wanted, sent) of those that were."""
-        for i, number in enumerate(self.state.selected):
-            low, high = self.bounds(number, is_intra)
-            level = levels[i]
-            if not low <= level <= high:
-                levels[i] = min(max(level, low), high)
-                yield number, level, levels[i]
-
-    def note(self, levels: list[int], is_intra: bool) -> None:
-        for number, level in zip(self.state.selected, levels, strict=True):
-            which = (I_MAX if level > 0 else I_MIN) if is_intra else (P_MAX if level > 0 else P_MIN)
-            needed = self.needed[which]
-            if abs(level) > needed.get(number, 0):
-                needed[number] = abs(level)
-
-    def set_limits(self, ranges: str) -> None:
-        """Choose the lists of the period's intra plane, and keep the limits as a decoder will."""
-        state, data, request = self.state, self.intra, self.request
-        assert data is not None and request is not None
-        divisor = state.scale or 1
-        for which in (I_MAX, I_MIN, P_MAX, P_MIN):
-            given = request.limits[which]
-            chosen: dict[int, int] = {}
-            for number in state.selected:
-                if given is not None:
-                    v = -(-abs(given.get(number, 0)) // LIMIT_UNIT)
-                elif ranges == "max":
-                    v = LARGEST_V
-                else:
-                    v = smallest_v(self.needed[which].get(number, 0), divisor)
-                chosen[number] = v
-            in_force = state.limits[which]
-            if given is not None:
-                send = True
-            elif ranges == "widen":
-                send = any(
-                    v * LIMIT_UNIT > abs(in_force[number]) or self._unsure(which, number)
-                    for number, v in chosen.items()
-                )
-                if send:
-                    chosen = {number: max(v, abs(in_force[number]) // LIMIT_UNIT) for number, v in chosen.items()}
-            else:
-                send = any(
-                    v * LIMIT_UNIT != abs(in_force[number]) or self._unsure(which, number)
-                    for number, v in chosen.items()
-                )
-            data.new[which] = 1 if send else 0
-            if send:
-                self.sent[which].update(chosen)
-                for number, v in chosen.items():
-                    data.limits[which][number] = v
-        if any(not state.parameters.has_defaults[number] for number in state.selected):
-            self._send_all(data)
-        state.set_ranges(data, DEFAULT_READINGS)
-
-    def _send_all(self, data: ParameterData) -> None:
-        # BAPs without default limits need all four lists in each intra plane (FBA-40).
-        for which in (I_MAX, I_MIN, P_MAX, P_MIN):
-            if not data.new[which]:
-                data.new[which] = 1
-                for number in self.state.selected:
-                    data.limits[which][number] = abs(self.state.limits[which][number]) // LIMIT_UNIT
-
-    def forget(self) -> None:
-        self.in_period = False
-        self.needed = [{}, {}, {}, {}]
-
-
 class Encoder:
     """Turns plane requests into planes. Rules: FBA-20, FBA-36, FBA-41, FBA-43."""
 
@@ -204,8 +62,8 @@ class Encoder:
         self.findings: list[Finding] = []
         self._on_finding = on_finding if on_finding is not None else self.findings.append
         self._state = FaceState(DEFAULT_READINGS)
-        self._face = _Part(self._state.faps)
-        self._body: _Part | None = None
+        self._face = PartEncoder(self._state.faps)
+        self._body: PartEncoder | None = None
         self._period: list[FbaPlane] = []
         self._length = LONGEST_PERIOD
         self._idle = 0
@@ -240,28 +98,20 @@ class Encoder:
             # Rate and time code travel in intra planes only (FBA-6, FBA-7).
             return True
         for part, part_request in self._parts(request):
-            if part_request is None:
-                continue
-            before = part.request
-            if (
-                before is None
-                or not part.in_period
-                or (
-                    (part_request.mask_types, part_request.masks, part_request.quant, part_request.coding_type)
-                    != (before.mask_types, before.masks, before.quant, before.coding_type)
-                )
-            ):
-                return True
-            if not part.fits(part.levels(part_request.targets, False)):
+            if part_request is not None and part.changed(part_request):
                 return True
         return False
 
-    def _parts(self, request: PlaneRequest) -> list[tuple[_Part, PartRequest | None]]:
+    def body(self) -> PartEncoder:
+        """The body's part, which goes on over planes that other encoders make. Rules: FBA-40."""
+        if self._body is None:
+            self._body = PartEncoder(self._state.baps)
+        return self._body
+
+    def _parts(self, request: PlaneRequest) -> list[tuple[PartEncoder, PartRequest | None]]:
         parts = [(self._face, request.face)]
         if request.body is not None:
-            if self._body is None:
-                self._body = _Part(self._state.baps)
-            parts.append((self._body, request.body))
+            parts.append((self.body(), request.body))
         return parts
 
     def _new_plane(self, request: PlaneRequest, is_intra: int) -> FbaPlane:
@@ -284,21 +134,14 @@ class Encoder:
         if request.face is not None and plane.faps is not None:
             take_header(plane.faps, request.face)
             self._state.select_faps(plane.faps)
-            self._state.faps.set_steps()
-            self._face.request = request.face
-            self._face.intra = plane.faps
-            self._face.in_period = True
+            self._face.begin(request.face, plane.faps)
             self._high_level(request, request.face, plane.faps, True)
             self._levels(request, self._face, request.face, plane.faps, True)
         if request.body is not None and plane.baps is not None:
             take_header(plane.baps, request.body)
             self._state.baps.select(plane.baps, DEFAULT_READINGS)
-            self._state.baps.set_steps()
-            body = self._parts(request)[1][0]
-            body.request = request.body
-            body.intra = plane.baps
-            body.in_period = True
-            self._levels(request, body, request.body, plane.baps, True)
+            self.body().begin(request.body, plane.baps)
+            self._levels(request, self.body(), request.body, plane.baps, True)
         return plane
 
     def _inter_plane(self, request: PlaneRequest) -> FbaPlane:
@@ -307,19 +150,14 @@ class Encoder:
             self._high_level(request, request.face, plane.faps, False)
             self._levels(request, self._face, request.face, plane.faps, False)
         if request.body is not None and plane.baps is not None:
-            self._levels(request, self._parts(request)[1][0], request.body, plane.baps, False)
+            self._levels(request, self.body(), request.body, plane.baps, False)
         return plane
 
     def _levels(
-        self, request: PlaneRequest, part: _Part, wanted: PartRequest, data: ParameterData, is_intra: bool
+        self, request: PlaneRequest, part: PartEncoder, wanted: PartRequest, data: ParameterData, is_intra: bool
     ) -> None:
-        levels = part.levels(wanted.targets, is_intra)
-        for number, level, sent in part.clip(levels, is_intra):
-            label = part.state.parameters.labels[number]
-            self._clipped(request.number, f"{label}: level {level} does not fit, {sent} sent")
-        part.note(levels, is_intra)
-        data.levels = levels
-        parameter_values(part.state, data, int(is_intra), False)
+        for message in part.put(wanted, data, is_intra):
+            self._clipped(request.number, message)
 
     def _high_level(self, request: PlaneRequest, wanted: PartRequest, data: ParameterData, is_intra: bool) -> None:
         state = self._state
@@ -364,12 +202,3 @@ class Encoder:
             self._body.forget()
         yield from self._period
         self._period = []
-
-
-def take_header(data: ParameterData, request: PartRequest) -> None:
-    """Quantiser, masks, gender and coding type of an intra plane. Rules: FBA-9..12."""
-    data.quant = request.quant
-    data.mask_type = list(request.mask_types)
-    data.group_mask = list(request.masks)
-    data.gender = request.gender
-    data.coding_type = request.coding_type

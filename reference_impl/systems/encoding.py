@@ -125,7 +125,7 @@ def encode_requests(
     arithmetic = Encoder(options, on_finding)
     for is_dct, run in groupby(requests, _is_dct):
         if is_dct:
-            yield from DctEncoder(options, on_finding).encode(run)
+            yield from DctEncoder(options, on_finding, arithmetic.body).encode(run)
         else:
             yield from arithmetic.encode(run)
 

@@ -6,6 +6,8 @@ import io
 from fractions import Fraction
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from snhc.reference_impl.bitstream.errors import EncodeError, InconsistentSemantics
 from snhc.reference_impl.bitstream.findings import Finding
@@ -14,7 +16,9 @@ from snhc.reference_impl.face.encode import EncoderOptions
 from snhc.reference_impl.face.epf_text import EncoderParameters, read_epf
 from snhc.reference_impl.face.fap_text import FapFile, read_fap
 from snhc.reference_impl.face.frames import FaceFrame
+from snhc.reference_impl.face.parameters import bap_set
 from snhc.reference_impl.face.requests import requests_of, set_rate
+from snhc.reference_impl.face.state import ParameterState
 from snhc.reference_impl.syntax.base import STUFFED_CODE
 from snhc.reference_impl.systems.encoding import encode_fap, encode_requests, stream_of
 from snhc.reference_impl.systems.stream import decode_frames, decode_planes, write_stream
@@ -140,3 +144,88 @@ def test_intra_period(period: int) -> None:
     frames = _decoded(write_stream(encode_fap(faps, EncoderOptions(intra_period=period))))
     assert [frame.intra for frame in frames] == [number % period == 0 for number in range(8)]
     assert [frame.faps[2] for frame in frames] == [4 * number for number in range(8)]
+
+
+# -- bodies beside DCT segments ----------------------------------------------------------------------------------------
+
+
+def test_a_dct_segment_carries_the_baps_of_its_first_instant() -> None:
+    faps = _faps(*[(number, {3: number}) for number in range(40)])
+    baps = _baps(*[(number, {2: 10 * number, 5: -number}) for number in (0, 3, 16, 20, 25)])
+    findings: list[Finding] = []
+    data = write_stream(encode_fap(faps, mode="dct", baps=baps, bap_quant=0, on_finding=findings.append))
+    frames = _decoded(data)
+    # The third segment has none of its own: the last ones of the second go with it.
+    assert {frame.index: frame.baps for frame in frames if frame.baps is not None} == {
+        0: {2: 0, 5: 0}, 16: {2: 160, 5: -16}, 32: {2: 250, 5: -25},
+    }  # fmt: skip
+    assert [frame.intra for frame in frames[::16]] == [True, False, False]
+    thinned = [finding for finding in findings if finding.id == "baps-thinned"]
+    assert [(finding.path, "; 1 are" in finding.message) for finding in thinned] == [
+        ("frame[0]", True), ("frame[16]", False),
+    ]  # fmt: skip
+    alone = _decoded(write_stream(encode_fap(faps, mode="dct")))
+    assert [frame.faps for frame in frames] == [frame.faps for frame in alone]
+
+
+def test_a_body_that_comes_or_changes_makes_a_dct_plane_intra() -> None:
+    faps = _faps(*[(number, {3: 8}) for number in range(80)])
+    baps = _baps((16, {2: 10}), (32, {2: 12}), (48, {2: 12, 3: 4}))
+    frames = _decoded(write_stream(encode_fap(faps, mode="dct", baps=baps, bap_quant=0)))
+    assert [frame.intra for frame in frames[::16]] == [True, True, False, True, False]
+    assert [frame.baps for frame in frames[::16]] == [None, {2: 10}, {2: 12}, {2: 12, 3: 4}, None]
+
+
+def test_a_body_goes_on_from_mode_to_mode() -> None:
+    faps = _faps(*[(number, {3: 8}) for number in range(20)])
+    baps = _baps((0, {2: 10}), (1, {2: 1800}), (17, {2: 1790}), (18, {2: -7}))
+    blocks = [f"FBM {3 if number in (0, 1, 17, 18) else 1}\nFFR {number}" for number in range(20)]
+    for number, mode in ((0, 0), (1, 1), (17, 0)):
+        blocks[number] += f"\nISI 1\nCDM {mode}"
+    for number in (0, 1, 17, 18):
+        blocks[number] = blocks[number].replace(f"FFR {number}", f"FFR {number}\nBFR {number}")
+    frames = _decoded(write_stream(encode_fap(faps, epf=_epf(*blocks), baps=baps, bap_quant=0)))
+    assert [(frame.coding_type, frame.baps) for frame in frames if frame.baps is not None] == [
+        (0, {2: 10}), (1, {2: 1800}), (0, {2: 1790}), (0, {2: -7}),
+    ]  # fmt: skip
+
+
+_BODIES = st.lists(
+    st.tuples(st.integers(0, 70), st.dictionaries(st.integers(1, 186), st.integers(-900, 900), max_size=3)),
+    max_size=8,
+    unique_by=lambda pair: pair[0],
+)
+
+
+@settings(max_examples=40)
+@given(bodies=_BODIES, quant=st.integers(0, 6), period=st.integers(1, 4), ranges=st.sampled_from(["auto", "widen"]))
+def test_baps_beside_segments_are_those_of_the_encoder(bodies: Values, quant: int, period: int, ranges: str) -> None:
+    """All that is decoded was asked for, no farther off than half a step where nothing was clipped."""
+    given_bodies = {number: values for number, values in sorted(bodies) if values}
+    faps = _faps(*[(number, {3: number % 9, 4: -number}) for number in range(71)])
+    findings: list[Finding] = []
+    options = EncoderOptions(intra_period=period, ranges=ranges)
+    baps = _baps(*given_bodies.items()) if given_bodies else None
+    data = write_stream(encode_fap(faps, options, mode="dct", baps=baps, bap_quant=quant, on_finding=findings.append))
+    frames = _decoded(data)
+    assert len(frames) == 80
+    assert not [frame for frame in frames if frame.baps is not None and frame.index % 16]
+    clipped = any(finding.id == "value-clipped" for finding in findings)
+    for first in range(0, 80, 16):
+        decoded = frames[first].baps
+        earlier = [number for number in given_bodies if first - 16 < number < first]
+        source = first if first in given_bodies else max(earlier, default=None)
+        assert (decoded is None) == (source is None)
+        if decoded is None or source is None or clipped:
+            continue
+        assert decoded.keys() == given_bodies[source].keys()
+        for number, value in decoded.items():
+            assert abs(value - given_bodies[source][number]) <= step_of(number, quant) / 2
+
+
+def step_of(number: int, quant: int) -> int:
+    state = ParameterState(bap_set())
+    state.selected = [number]
+    state.quant, state.scale = quant, bap_set().quant_scale[quant]
+    state.set_steps()
+    return state.steps[0] or 1
