@@ -161,7 +161,8 @@ class DctEncoder:
                 if sent is None or request.body.targets != sent.targets:
                     lost.add(request.number)
         if lost:
-            self._report("baps-thinned", batch[0].number, f"a segment has one set of BAPs; {len(lost)} are left out")
+            message = f"a segment has one set of BAPs; left out: {len(lost)} of other frames"
+            self._report("baps-thinned", batch[0].number, message)
         return sent
 
     def _put_body(self, body: PartRequest, data: ParameterData, is_intra: bool, frame: int) -> None:
