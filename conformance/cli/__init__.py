@@ -32,6 +32,7 @@ VERBS: Final = {
     "coverage": "Show what the suite covers, and its holes.",
     "run": "Run decoders against the suite.",
     "minimize": "Shrink an input while a decoder still fails on it in the same way.",
+    "doctor": "Walk an adapter through every step and say what is wrong.",
     "report": "Render saved results, and join those of several runs.",
     "rules": "Print the rules, ambiguities and findings.",
 }

@@ -15,7 +15,10 @@ SUITE = Path(__file__).parents[2] / "vectors" / "suite"
 
 def answer(path: str | None = None) -> tuple[list[str], str, int]:
     """Lines, the JSON line of a fault ("" for none), exit code."""
-    name = Path(path or sys.argv[1]).name
+    given = Path(path or sys.argv[1])
+    name = given.name
+    if given.stat().st_size == 0:
+        return [], '{"class":"InputFormat"}\n', 1
     manifest = json.loads((SUITE / "manifest.json").read_text(encoding="utf-8"))
     entry = next(entry for entry in manifest["vectors"] if Path(entry["input"]["file"]).name == name)
     expect: dict[str, Any] = entry["expect"]

@@ -24,8 +24,9 @@ const ANSWERS = {
   bye: () => ({}),
 };
 
-for await (const line of createInterface({ input: process.stdin })) {
+const lines = createInterface({ input: process.stdin });
+lines.on('line', (line) => {
   const { seq, type, ...question } = JSON.parse(line);
   process.stdout.write(`${JSON.stringify({ seq, type, ...ANSWERS[type](question) })}\n`);
-  if (type === 'bye') break;
-}
+  if (type === 'bye') process.stdin.destroy();
+});
