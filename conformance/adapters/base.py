@@ -77,7 +77,7 @@ class Adapter(Protocol):
         """End whatever still runs for it; it may be asked again. Rules: CNF-10, CNF-14."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Claims:
     """What a decoder says it can do. Rules: CNF-13, CNF-24.
 
@@ -93,6 +93,12 @@ class Claims:
     readings: Mapping[str, str] = field(default_factory=dict)
     options: frozenset[str] = frozenset()
     formats: tuple[str, ...] = ("ndjson",)
+
+    def __repr__(self) -> str:
+        # The same in every process: the journal of a run knows an adapter by it, and sets have no order.
+        fields = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        shown = {name: sorted(value) if isinstance(value, frozenset) else value for name, value in fields.items()}
+        return f"Claims({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
 
     def lacks(self, entry: Entry) -> str:
         """What a vector needs and is not claimed, "" for nothing. Rules: CNF-13. Not looked at: limits."""

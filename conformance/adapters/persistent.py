@@ -64,6 +64,11 @@ class Persistent:
         )  # fmt: skip
 
     @property
+    def folder(self) -> Path | None:
+        """Where relative names in the command lie."""
+        return self.around.folder
+
+    @property
     def format(self) -> str:
         """The first of FORMATS that file and process claim."""
         formats = (self._pool.claims or self.claims).formats

@@ -58,20 +58,16 @@ def command(adapter: str, suite: Path | None, given: str | None, common: Common)
 
 def _text(diagnosis: Diagnosis, colour: bool) -> str:
     from snhc.conformance.diagnosis import GUIDE
+    from snhc.conformance.reports.words import printable
 
     lines: list[str] = []
     for step in diagnosis.steps:
         state = f"{_WORDS[step.state]:8}"
         shown = click.style(state, fg=_STYLES[step.state]) if colour else state
-        lines.append(f"{shown}{step.name:9}{_printable(step.what)}")
+        lines.append(f"{shown}{step.name:9}{printable(step.what)}")
         if step.fix:
-            lines.append(f"{'':17}fix: {_printable(step.fix)}")
+            lines.append(f"{'':17}fix: {printable(step.fix)}")
         if step.section:
             lines.append(f'{"":17}see: {GUIDE}, "{step.section}"')
     lines.append(_VERDICTS[diagnosis.exit_code].format(diagnosis.adapter))
     return "\n".join(lines) + "\n"
-
-
-def _printable(text: str) -> str:
-    # A foreign program's words must not steer the terminal.
-    return "".join(char if char.isprintable() else "?" for char in text)

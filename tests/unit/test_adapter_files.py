@@ -6,8 +6,10 @@ Rules: CNF-9, CNF-11, CNF-13, CNF-19, CNF-25.
 from __future__ import annotations
 
 import json
+import os
 import pickle
 import shutil
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -224,3 +226,18 @@ def test_a_reading_that_is_claimed_has_to_be_followed() -> None:
 def test_readings_become_words_of_the_command() -> None:
     adapter = _adapter(options={"reading": ("--reading", "{name}={value}")}, readings={"AMB-FBA-6": "before"})
     assert adapter.words(ENTRIES[VALID], Path("x"), None)[-2:] == ["--reading", "AMB-FBA-6=before"]
+
+
+def test_an_adapter_is_known_by_its_text_in_every_process(tmp_path: Path) -> None:
+    # What a run keeps for its resumption is told apart by that.
+    path = _toml(tmp_path, FULL.replace("mesh_nodes_delaunay", next(iter(Limits.names()))))
+    code = (
+        f"from pathlib import Path; from snhc.conformance.adapters import load; print(repr(load(Path({str(path)!r}))))"
+    )
+    said = {
+        subprocess.run(
+            [sys.executable, "-c", code], env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, check=True
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(said) == 1 and b"tools=['fba', 'mesh']" in said.pop()
