@@ -29,6 +29,8 @@ SCHEMA_FILE: Final = Path(__file__).parent / "adapter.schema.json"
 HOST: Final = Path(__file__).parent / "host.py"
 BUILT_IN: Final = "snhc"
 ENTRY_POINT: Final = "decoder:"
+# In commands and environments: the folder of the adapter file.
+FOLDER: Final = "{folder}"
 WAYS: Final = ("command", "library", "decoder", "object")
 
 Table = dict[str, Any]
@@ -98,16 +100,17 @@ def made(table: Table, path: Path) -> OneShot | Persistent:
     name = table.get("name", path.stem)
     folder = path.absolute().parent
     reproduce = shlex.quote(str(path))
+    variables = {key: value.replace(FOLDER, str(folder)) for key, value in table.get("environment", {}).items()}
     around = Surroundings(
         table.get("memory_bytes", DEFAULT_MEMORY), table.get("output_bytes", DEFAULT_LIMITS.adapter_output_bytes),
-        folder, table.get("environment", {}), tuple(table.get("pass_environment", [])),
+        folder, variables, tuple(table.get("pass_environment", [])),
         tuple(str(folder / os.path.expandvars(Path(place).expanduser())) for place in table.get("writable", [])),
     )  # fmt: skip
     timeout = float(table.get("timeout", DEFAULT_TIMEOUT))
     profiles = tuple(table["profiles"]) if "profiles" in table else None
     if "command" in table and table.get("protocol", "one-shot") == "one-shot":
         return OneShot(
-            name, tuple(table["command"]), table.get("format", "ndjson"), timeout, around.output_bytes,
+            name, command_of(table, folder), table.get("format", "ndjson"), timeout, around.output_bytes,
             tuple(table.get("tools", ["fba"])),
             {option: tuple(words) for option, words in table.get("options", {}).items()}, folder, reproduce,
             around.memory_bytes, tuple(table.get("kinds", KINDS)), profiles, table.get("limits", {}),
@@ -127,12 +130,14 @@ def made(table: Table, path: Path) -> OneShot | Persistent:
 def command_of(table: Table, folder: Path) -> tuple[str, ...]:
     """The command that speaks for a decoder. Rules: CNF-10, CNF-11, CNF-12."""
     if "command" in table:
-        return tuple(table["command"])
+        return tuple(word.replace(FOLDER, str(folder)) for word in table["command"])
     if "library" in table:
         # As files in commands: beside the adapter file.
         return sys.executable, "-I", "-S", str(HOST), "--library", resolved(["", table["library"]], folder)[1]
-    way = "decoder" if "decoder" in table else "object"
-    return table.get("interpreter", sys.executable), str(HOST), f"--{way}", table[way]
+    python = table.get("interpreter", sys.executable)
+    if "decoder" in table:
+        return python, str(HOST), "--decoder", table["decoder"]
+    return python, str(HOST), "--object", table["object"], str(folder)
 
 
 def find(word: str) -> Adapter:

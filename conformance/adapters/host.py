@@ -1,8 +1,8 @@
 """The host: a child process that holds a decoder written in Python, or a shared library, and speaks for it.
 
 Rules: CNF-11, CNF-12. Started as a script, `python host.py --library FILE`, `--decoder NAME` (entry point of the group
-`snhc.decoders`) or `--object MODULE:NAME`; standard library only, so that it runs on any interpreter. To the runner it
-is a persistent adapter like any other (CNF-10).
+`snhc.decoders`) or `--object MODULE:NAME FOLDER` (where the module may lie); standard library only, so that it runs on
+any interpreter. To the runner it is a persistent adapter like any other (CNF-10).
 
 Standard output belongs to the messages: what the decoder prints goes to standard error.
 """
@@ -211,7 +211,8 @@ def main() -> int:
     """Answer messages until `bye`. Rules: CNF-10."""
     messages = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
-    kind, what = sys.argv[1:3]
+    kind, what, *folder = sys.argv[1:4]
+    sys.path[:0] = folder
     can: Message = {}
     decode: Decode | None = None
     for line in sys.stdin:
