@@ -37,7 +37,7 @@ def test_every_verb_is_a_command_that_says_what_the_list_says(verb: str) -> None
     assert command.help.splitlines()[0] == VERBS[verb]
 
 
-@pytest.mark.parametrize("verb", ["", "decode", "encode", "dump", "rules"])
+@pytest.mark.parametrize("verb", ["", "decode", "encode", "dump", "rules", "doctor"])
 def test_help(verb: str, snapshot: SnapshotAssertion) -> None:
     result = CliRunner().invoke(snhc, [*([verb] if verb else []), "--help"], prog_name="snhc", terminal_width=100)
     assert result.exit_code == 0
