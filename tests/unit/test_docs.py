@@ -28,9 +28,10 @@ OTHERS = {
     "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/snhc run": "CI, and every test of the verb",
     "python3 -m venv .venv && .venv/bin/pip install tox && .venv/bin/tox": "CI",
     "snhc generate --check": "tox, which is why it is not done twice",
+    "snhc run my-decoder.toml --cluster": "tests/cluster",
 }
 # Verbs whose 1 is an answer, not a fault; and the one that needs a terminal.
-ANSWERS = {"run": {0, 1}, "diff": {0, 1}, "check": {0, 1}, "browse": {2}}
+ANSWERS = {"run": {0, 1}, "diff": {0, 1}, "check": {0, 1}, "browse": {2}, "report": {0, 1}, "minimize": {0, 1}}
 
 
 def commands(page: Path) -> Iterator[str]:
@@ -68,6 +69,21 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "def decode(request):\n"
         "    return ndjson(decode_frames(request.data))\n"
     )
+    ledger = (TOP / "docs" / "running.md").read_text(encoding="utf-8")
+    Path("known.toml").write_text(ledger.partition("```toml\n")[2].partition("```")[0])
+    Path("traces").mkdir()
+    # One that is wrong: it cuts head_pitch off.
+    Path("clips.py").write_text(
+        "import json, sys\n"
+        "from snhc.vectors.decoding import decode\n"
+        "from snhc.reference_impl.systems.stream import Options\n"
+        "for line in decode(open(sys.argv[1], 'rb').read(), Options()).lines:\n"
+        "    frame = json.loads(line)\n"
+        "    if 'faps' in frame and (frame['faps'][47] or 0) < -200:\n"
+        "        frame['faps'][47] = -200\n"
+        "    print(json.dumps(frame))\n"
+    )
+    Path("clips.toml").write_text(f'command = ["{sys.executable}", "clips.py", "{{input}}"]\n')
     Path("my-decoder.toml").write_text(
         'name = "my decoder"\nobject = "my_decoder:decode"\n'
         f"interpreter = {sys.executable!r}\nenvironment = {{ PYTHONPATH = {str(tmp_path)!r} }}\n".replace("'", '"')
