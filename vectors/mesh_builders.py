@@ -17,6 +17,7 @@ from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
 from snhc.reference_impl.systems.visual import StreamItem
 
 from .builders import end_code
+from .seeded import Seeded
 
 Point = tuple[int, int]
 
@@ -110,3 +111,31 @@ def mesh_object(planes: Iterable[MeshPlane], *, stuffing: int = 0, padding: int 
 def mesh_stream(*planes: MeshPlane) -> list[StreamItem]:
     """The plain form: one mesh object, then the end code. Rules: MSH-1."""
     return [mesh_object(planes), end_code()]
+
+
+def without_ties(nodes: Sequence[Point], boundary_count: int | None = None) -> MeshPlane:
+    """A Delaunay geometry that has one triangulation only: vectors of kind valid hold no other. Rules: MSH-12."""
+    plane = delaunay(nodes, boundary_count)
+    other = Readings({"AMB-MSH-2": "other"})
+    if sorted(topology_of(plane).triangles) != sorted(topology_of(plane, other).triangles):
+        raise TypeError("co-circular nodes in a vector without ambiguity")
+    return plane
+
+
+def node_count(plane: MeshPlane) -> int:
+    """How many nodes a geometry has. Rules: MSH-21."""
+    return len(topology_of(plane).order)
+
+
+def all_moved(geometry: MeshPlane, seed: int, reach: int, range_code: int | None = None) -> MeshPlane:
+    """Every node moves, each in its own way. Rules: MSH-13."""
+    numbers = Seeded(seed)
+    vectors = {
+        node: (numbers.between(-reach, reach), numbers.between(-reach, reach)) for node in range(node_count(geometry))
+    }
+    return moved(geometry, vectors, range_code)
+
+
+def node_lines(frames: Sequence[Sequence[Point]]) -> dict[int, str]:
+    """The nodes of some lines, as NDJSON has them. Rules: CNF-1."""
+    return {k: '"nodes":[' + ",".join(f"[{x},{y}]" for x, y in nodes) + "]" for k, nodes in enumerate(frames) if nodes}

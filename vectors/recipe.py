@@ -134,8 +134,8 @@ RECIPES: Final[dict[str, Recipe]] = {}
 _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
-    "truncation", "ambiguity", "mesh", "mesh_errors", "dct", "dct_errors", "dct_coefficients", "fit", "fit_errors",
-    "fat", "fat_errors", "fapu", "real", "profiles",
+    "truncation", "ambiguity", "mesh", "mesh_motion", "mesh_framing", "mesh_errors", "dct", "dct_errors",
+    "dct_coefficients", "fit", "fit_errors", "fat", "fat_errors", "fapu", "real", "profiles",
 )  # fmt: skip
 
 T = TypeVar("T")
