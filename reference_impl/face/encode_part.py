@@ -47,9 +47,15 @@ class PartEncoder:
         self.request: PartRequest | None = None
         self.intra: ParameterData | None = None
         # Per list and number, the largest magnitude that the period needs.
-        self.needed: list[dict[int, int]] = [{}, {}, {}, {}]
+        self.needed: list[list[int]] = []
         self.sent: list[set[int]] = [set(), set(), set(), set()]
         self.in_period = False
+        # What can be sent in inter and intra planes of this period; None until it is asked for.
+        self._spans: list[tuple[list[int], list[int]] | None] = [None, None]
+        # The last request that `changed` was asked about, and its levels: `put` needs them again.
+        self._asked: PartRequest | None = None
+        self._asked_levels: list[int] = []
+        self.forget()
 
     def changed(self, wanted: PartRequest) -> bool:
         """Whether only an intra plane can carry this. Rules: FBA-15, FBA-43."""
@@ -60,7 +66,9 @@ class PartEncoder:
             before.mask_types, before.masks, before.quant, before.coding_type
         ):  # fmt: skip
             return True
-        return not self.fits(self.levels(wanted.targets, False))
+        self._asked = wanted
+        self._asked_levels = self.levels(wanted.targets, False)
+        return not self.fits(self._asked_levels, False)
 
     def begin(self, wanted: PartRequest, data: ParameterData) -> None:
         """A period's intra plane, whose header and masks are in `data` and in force. Rules: FBA-15, FBA-43."""
@@ -68,12 +76,17 @@ class PartEncoder:
         self.request = wanted
         self.intra = data
         self.in_period = True
+        self._spans = [None, None]
 
     def put(self, wanted: PartRequest, data: ParameterData, is_intra: bool) -> Iterator[str]:
         """The levels of one plane; yields what to say of each value that did not fit. Rules: FBA-36, FBA-43."""
-        levels = self.levels(wanted.targets, is_intra)
-        for number, level, sent in self.clip(levels, is_intra):
-            yield f"{self.state.parameters.labels[number]}: level {level} does not fit, {sent} sent"
+        levels = self._asked_levels
+        if self._asked is not wanted or is_intra:
+            levels = self.levels(wanted.targets, is_intra)
+        self._asked = None
+        if not self.fits(levels, is_intra):
+            for number, level, sent in self.clip(levels, is_intra):
+                yield f"{self.state.parameters.labels[number]}: level {level} does not fit, {sent} sent"
         self.note(levels, is_intra)
         data.levels = levels
         parameter_values(self.state, data, int(is_intra), False)
@@ -85,8 +98,7 @@ class PartEncoder:
         parameters = self.state.parameters
         return not parameters.has_defaults[number] or number in parameters.disputed
 
-    def bounds(self, number: int, is_intra: bool) -> tuple[int, int]:
-        """The levels that can be sent at all. Rules: FBA-16, FBA-17."""
+    def _bounds(self, number: int, is_intra: bool) -> tuple[int, int]:
         if not self.in_period:
             return self.state.in_force[P_MIN][number], self.state.in_force[P_MAX][number]
         divisor = self.state.scale or 1
@@ -99,39 +111,55 @@ class PartEncoder:
             out.append(SIGNS[which] * (limit // divisor))
         return out[0], out[1]
 
+    def span(self, is_intra: bool) -> tuple[list[int], list[int]]:
+        """The lowest and the highest levels that can be sent, in coding order; the same over a period.
+
+        Rules: FBA-16, FBA-17.
+        """
+        which = 1 if is_intra else 0
+        span = self._spans[which]
+        if span is None:
+            bounds = [self._bounds(number, is_intra) for number in self.state.selected]
+            span = [low for low, _ in bounds], [high for _, high in bounds]
+            self._spans[which] = span
+        return span
+
     def levels(self, targets: dict[int, int], is_intra: bool) -> list[int]:
         """The levels of values, or of their differences, in coding order. Rules: FBA-20, FBA-36."""
         state = self.state
         values = state.values
-        return [
-            quantise(targets[number] - (0 if is_intra else values[number]), step)
-            for number, step in zip(state.selected, state.steps, strict=True)
-        ]
+        assert len(state.selected) == len(state.steps)
+        if is_intra:
+            return [quantise(targets[number], step) for number, step in zip(state.selected, state.steps)]
+        return [quantise(targets[number] - values[number], step) for number, step in zip(state.selected, state.steps)]
 
-    def fits(self, levels: list[int]) -> bool:
-        """Whether the levels of an inter plane can be sent. Rules: FBA-43."""
-        for number, level in zip(self.state.selected, levels, strict=True):
-            low, high = self.bounds(number, False)
-            if not low <= level <= high:
+    def fits(self, levels: list[int], is_intra: bool) -> bool:
+        """Whether the levels can be sent. Rules: FBA-43."""
+        lows, highs = self.span(is_intra)
+        for level, low, high in zip(levels, lows, highs):  # noqa: SIM110 (a generator would cost a call per level)
+            if level < low or level > high:
                 return False
         return True
 
     def clip(self, levels: list[int], is_intra: bool) -> Iterator[tuple[int, int, int]]:
         """Clip levels in place; yields (number, wanted, sent) of those that were. Rules: FBA-43."""
+        lows, highs = self.span(is_intra)
         for i, number in enumerate(self.state.selected):
-            low, high = self.bounds(number, is_intra)
             level = levels[i]
-            if not low <= level <= high:
-                levels[i] = min(max(level, low), high)
+            if not lows[i] <= level <= highs[i]:
+                levels[i] = min(max(level, lows[i]), highs[i])
                 yield number, level, levels[i]
 
     def note(self, levels: list[int], is_intra: bool) -> None:
         """Remember what the limits must hold. Rules: FBA-43."""
-        for number, level in zip(self.state.selected, levels, strict=True):
-            which = (I_MAX if level > 0 else I_MIN) if is_intra else (P_MAX if level > 0 else P_MIN)
-            needed = self.needed[which]
-            if abs(level) > needed.get(number, 0):
-                needed[number] = abs(level)
+        up = self.needed[I_MAX if is_intra else P_MAX]
+        down = self.needed[I_MIN if is_intra else P_MIN]
+        for number, level in zip(self.state.selected, levels):
+            if level > 0:
+                if level > up[number]:
+                    up[number] = level
+            elif -level > down[number]:
+                down[number] = -level
 
     def set_limits(self, ranges: str) -> None:
         """Choose the lists of the period's intra plane, and keep the limits as a decoder will.
@@ -150,7 +178,7 @@ class PartEncoder:
                 elif ranges == "max":
                     v = LARGEST_V
                 else:
-                    v = smallest_v(self.needed[which].get(number, 0), divisor)
+                    v = smallest_v(self.needed[which][number], divisor)
                 chosen[number] = v
             in_force = state.limits[which]
             if given is not None:
@@ -187,7 +215,8 @@ class PartEncoder:
     def forget(self) -> None:
         """The period is over. Rules: FBA-43."""
         self.in_period = False
-        self.needed = [{}, {}, {}, {}]
+        self.needed = [[0] * (self.state.parameters.count + 1) for _ in range(4)]
+        self._spans = [None, None]
 
 
 def take_header(data: ParameterData, request: PartRequest) -> None:

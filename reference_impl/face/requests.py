@@ -138,13 +138,18 @@ def requests_of(
                 "FBA-53", "frame number", value=number, line=bodies[number].line, allowed="one that the .fap file has"
             )
     last = len(faps.frames) - 1
+    mask: tuple[int, ...] = ()
+    types: list[int] = []
+    masks: list[int] = []
     for i, frame in enumerate(faps.frames):
         header = TemporalHeader()
         if i == 0:
             set_rate(header, faps.frame_rate)
         if i < last:
             _skip(header, faps.frames[i + 1].number - frame.number - 1)
-        types, masks = group_masks_of(fap_set(), {n + 1 for n, bit in enumerate(frame.mask) if bit}, partial_type)
+        if frame.mask != mask:
+            mask = frame.mask
+            types, masks = group_masks_of(fap_set(), {n + 1 for n, bit in enumerate(mask) if bit}, partial_type)
         face = PartRequest(_targets(frame), types, masks, quant, gender, coding_type)
         face.viseme = frame.viseme
         face.expression = frame.expression

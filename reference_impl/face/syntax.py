@@ -74,14 +74,14 @@ _BARE: Final = Fault(ForbiddenValue, "FBA-3", "fba_object_plane_start_code", "st
 
 
 def new_plane(mask: int, is_intra: int = 0) -> FbaPlane:
-    """An empty plane record with the data that `mask` asks for. Rules: FBA-5."""
+    """An empty plane record with the data that `mask` asks for; range lists in intra planes only. Rules: FBA-5."""
     plane = FbaPlane()
     plane.is_intra = is_intra
     plane.fba_object_mask = mask
     if mask & 1:
-        plane.faps = new_fap_data()
+        plane.faps = new_fap_data() if is_intra else ParameterData(FAP_GROUPS)
     if mask & 2:
-        plane.baps = new_bap_data()
+        plane.baps = new_bap_data() if is_intra else ParameterData(BAP_GROUPS)
     return plane
 
 
