@@ -5,17 +5,25 @@ Rules: CNF-19, FBA-43, FBA-50, FBA-52, FBA-54, MSH-23.
 
 from __future__ import annotations
 
-import io
 import re
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from .common import Common, Output, common_options, open_binary, progress
 from .encode_mesh import HEAD, MeshOptions, encode_meshes, kind_of
 
-_LAST_FAP = 68
+if TYPE_CHECKING:
+    from snhc.reference_impl.face.encode import EncoderOptions
+    from snhc.reference_impl.syntax.writer import Writer
+
+_LAST_FAP: Final = 68
+_PIECE: Final = 1 << 16
 
 
 def parse_masks(value: str | None) -> frozenset[int] | None:
@@ -152,55 +160,118 @@ def command(
     with open_binary(files[0]) as stream:
         head = stream.read(HEAD)
         kind = kind_of(head)
-        if kind != "fap" or len(files) > 1:
-            if kind != "pictures" and len(files) > 1:
-                raise click.UsageError("only pictures make a sequence of files")
-            first = head + stream.read()
-            meshes = MeshOptions(rate, far, design, mask, interior_nodes, spacing, search, profile, not no_end_code)
-            encode_meshes(kind, first, files, meshes, common)
+        if kind == "fap" and len(files) == 1:
+            text = chain((head,), iter(lambda: stream.read(_PIECE), b""))
+            options = FaceOptions(
+                epf, bap, mode, quant, bap_quant, intra_period, masks, mask_type, ranges, start_codes,
+                1 if gender == "male" else 0, profile, not no_end_code,
+            )  # fmt: skip
+            encode_faces(text, options, common)
             return
-        text = io.BytesIO(head + stream.read())
-    from snhc.reference_impl.face.bap_text import read_bap
-    from snhc.reference_impl.face.encode import EncoderOptions
-    from snhc.reference_impl.face.epf_text import read_epf
-    from snhc.reference_impl.face.fap_text import read_fap
-    from snhc.reference_impl.face.masks import with_masks
-    from snhc.reference_impl.syntax.writer import Writer
-    from snhc.reference_impl.systems.encoding import encode_fap
-    from snhc.reference_impl.systems.stream import write_stream
+        if kind != "pictures" and len(files) > 1:
+            raise click.UsageError("only pictures make a sequence of files")
+        first = head + stream.read()
+    meshes = MeshOptions(rate, far, design, mask, interior_nodes, spacing, search, profile, not no_end_code)
+    encode_meshes(kind, first, files, meshes, common)
 
+
+@dataclass(frozen=True, slots=True)
+class FaceOptions:
+    """How a text is to be encoded, as on the command line. Rules: FBA-43, FBA-52, FBA-54."""
+
+    epf: str | None
+    bap: str | None
+    mode: str
+    quant: int
+    bap_quant: int
+    intra_period: int | None
+    masks: frozenset[int] | None
+    mask_type: int
+    ranges: str
+    start_codes: str
+    gender: int
+    profile: int | None
+    end_code: bool
+
+
+def encode_faces(text: Iterable[bytes], options: FaceOptions, common: Common) -> None:
+    """A `.fap` text to a stream: read and written together, or collected where .epf or .bap files refer to its frames.
+
+    Rules: CNF-22, FBA-52, FBA-54.
+    """
+    from snhc.reference_impl.face.encode import EncoderOptions
+    from snhc.reference_impl.face.fap_text import FapReader
+    from snhc.reference_impl.syntax.writer import Writer
+    from snhc.reference_impl.systems.encoding import encode_text
+
+    how = EncoderOptions(intra_period=options.intra_period, ranges=options.ranges, start_codes=options.start_codes)
+    writer = Writer(limits=common.limits, profile=common.entropy_profile())
     with Output(common.output, common.keep_partial) as out:
-        with text:
-            faps = read_fap(text, strict=common.strict, limits=common.limits)
-        parameters = bodies = None
-        findings = faps.findings
-        if epf is not None:
-            with open_binary(epf) as stream:
-                parameters = read_epf(stream, strict=common.strict, limits=common.limits)
-            findings = findings + parameters.findings
-        if bap is not None:
-            with open_binary(bap) as stream:
-                bodies = read_bap(stream, strict=common.strict, limits=common.limits)
-            findings = findings + bodies.findings
-        for finding in findings:
-            common.report(finding)
-        if masks is not None:
-            faps = with_masks(faps, masks)
-        total = len(faps.frames) if parameters is None else len(parameters.frames)
-        with progress(common, "encoding", total) as advance:
-            items = encode_fap(
-                faps,
-                EncoderOptions(intra_period=intra_period, ranges=ranges, start_codes=start_codes),
-                epf=parameters,
-                baps=bodies,
-                quant=quant,
-                bap_quant=bap_quant,
-                gender=1 if gender == "male" else 0,
-                partial_type=mask_type,
-                mode=mode,
-                profile=profile,
-                end_code=not no_end_code,
+        if options.epf is not None or options.bap is not None:
+            out.write(_collected(text, options, how, writer, common))
+            return
+        reader = FapReader(text, strict=common.strict, limits=common.limits)
+        with progress(common, "encoding", reader.nframes) as advance:
+            pieces = encode_text(
+                reader,
+                writer,
+                how,
+                masks=options.masks,
+                quant=options.quant,
+                gender=options.gender,
+                partial_type=options.mask_type,
+                mode=options.mode,
+                profile=options.profile,
+                end_code=options.end_code,
                 on_finding=common.report,
                 on_progress=advance,
             )
-        out.write(write_stream(items, Writer(limits=common.limits, profile=common.entropy_profile())))
+            for piece in pieces:
+                out.write(piece)
+        for finding in reader.findings():
+            common.report(finding)
+
+
+def _collected(
+    text: Iterable[bytes], options: FaceOptions, how: EncoderOptions, writer: Writer, common: Common
+) -> bytes:
+    from snhc.reference_impl.face.bap_text import read_bap
+    from snhc.reference_impl.face.epf_text import read_epf
+    from snhc.reference_impl.face.fap_text import read_fap
+    from snhc.reference_impl.face.masks import with_masks
+    from snhc.reference_impl.systems.encoding import encode_fap
+    from snhc.reference_impl.systems.stream import write_stream
+
+    faps = read_fap(text, strict=common.strict, limits=common.limits)
+    parameters = bodies = None
+    findings = faps.findings
+    if options.epf is not None:
+        with open_binary(options.epf) as stream:
+            parameters = read_epf(stream, strict=common.strict, limits=common.limits)
+        findings = findings + parameters.findings
+    if options.bap is not None:
+        with open_binary(options.bap) as stream:
+            bodies = read_bap(stream, strict=common.strict, limits=common.limits)
+        findings = findings + bodies.findings
+    for finding in findings:
+        common.report(finding)
+    if options.masks is not None:
+        faps = with_masks(faps, options.masks)
+    total = len(faps.frames) if parameters is None else len(parameters.frames)
+    with progress(common, "encoding", total) as advance:
+        items = encode_fap(
+            faps,
+            how,
+            epf=parameters,
+            baps=bodies,
+            quant=options.quant,
+            bap_quant=options.bap_quant,
+            gender=options.gender,
+            partial_type=options.mask_type,
+            mode=options.mode,
+            profile=options.profile,
+            end_code=options.end_code,
+            on_finding=common.report,
+            on_progress=advance,
+        )
+    return write_stream(items, writer)

@@ -58,14 +58,14 @@ class BitSink:
         self._acc = acc
         self._count = bit & 7
 
-    def take(self) -> bytes:
-        """The whole bytes written since the last take; positions go on counting from there.
+    def take(self, before: int) -> bytes:
+        """The whole bytes before bit `before` that were not taken yet; positions go on counting.
 
-        Rules: CNF-22. A streaming writer calls this after each plane; `cut` and `bits_from` then reach back only to it.
+        Rules: CNF-22. `cut` and `bits_from` then reach back only to them.
         """
-        out = bytes(self._done)
+        out = bytes(self._done[: max(0, (before >> 3) - self._base)])
         self._base += len(out)
-        self._done.clear()
+        del self._done[: len(out)]
         return out
 
     def getvalue(self) -> bytes:

@@ -214,7 +214,8 @@ def segment_code(models: list[Model], levels: list[int], tail: int = 0) -> tuple
     words: list[int] = []
     acc = 0
     held = 0
-    for model, level in zip(models, levels, strict=True):
+    assert len(models) == len(levels)
+    for model, level in zip(models, levels):
         if model.n == 1:
             continue
         s = level - model.lo

@@ -147,7 +147,7 @@ def inverse_transform(coefficients: Sequence[int], step: Fraction, reading: DctR
             # A term of a zero coefficient is +0 or -0 and changes no sum that began with +0.
             if coefficients[k]:
                 value = coefficients[k] * numerator / denominator
-                sums = [total + value * factor for total, factor in zip(sums, table[k], strict=True)]
+                sums = [total + value * factor for total, factor in zip(sums, table[k])]
         constant = coefficients[0] * numerator / (denominator * reading.dc_step_ratio * reading.dc_divisor)
     except OverflowError:
         raise RangeViolation("DCT-6", "coefficients", allowed="values that float64 holds") from None

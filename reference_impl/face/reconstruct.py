@@ -96,7 +96,7 @@ def segment_values(state: FaceState, segment: SegmentData, is_intra: int) -> Ite
                 segment.init_face[t],
                 segment.expression_def[t],
             ]
-        for fap, values in zip(faps.selected, series, strict=True):
+        for fap, values in zip(faps.selected, series):
             faps.values[fap] = values[t]
         yield t
     if state.has_viseme:
@@ -172,11 +172,12 @@ def high_level_values(state: FaceState, levels: list[int], first: int, is_intra:
 def parameter_values(state: ParameterState, data: ParameterData, is_intra: int, clip: bool) -> None:
     """Take the levels of the selected parameters into their values. Rules: FBA-31, FBA-32, FBA-40."""
     values = state.values
+    assert len(data.levels) == len(state.selected)
     if is_intra:
-        for number, level, step in zip(state.selected, data.levels, state.steps, strict=True):
+        for number, level, step in zip(state.selected, data.levels, state.steps):
             values[number] = level * step
     else:
-        for number, level, step in zip(state.selected, data.levels, state.steps, strict=True):
+        for number, level, step in zip(state.selected, data.levels, state.steps):
             values[number] += level * step
     if clip:
         # AMB-FBA-4, reading clip: the range is that of the intra limits, in values.

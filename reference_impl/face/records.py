@@ -5,6 +5,7 @@ Rules: FBA-5, FBA-9..13, FBA-28, FBA-40, FBA-43.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import final
 
 from ..syntax.base import PLANE, STUFFED_CODE
@@ -86,13 +87,15 @@ class FbaObject:
     Rules: FBA-1, FBA-3, FBA-42.
 
     `start_code`: 0x1BA, or the draft's. `end`: what ends it (STUFFED_CODE: another start code follows; STUFFED_END,
-    END, ZERO_PADDING); `padding`: the zero bits of ZERO_PADDING.
+    END, ZERO_PADDING); `padding`: the zero bits of ZERO_PADDING. `coming`: where a writer takes the planes from, one
+    by one, instead of `planes`.
     """
 
-    __slots__ = ("end", "padding", "planes", "start_code")
+    __slots__ = ("coming", "end", "padding", "planes", "start_code")
 
     def __init__(self) -> None:
         self.start_code = 0x000001BA
         self.end = STUFFED_CODE
         self.padding = 0
         self.planes: list[FbaPlane] = []
+        self.coming: Iterator[FbaPlane] | None = None

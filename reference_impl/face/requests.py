@@ -5,7 +5,7 @@ Rules: FBA-14, FBA-37, FBA-52, FBA-54.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -137,26 +137,46 @@ def requests_of(
             raise InconsistentSemantics(
                 "FBA-53", "frame number", value=number, line=bodies[number].line, allowed="one that the .fap file has"
             )
-    last = len(faps.frames) - 1
+    requests = face_requests(
+        faps.frames, faps.frame_rate, quant=quant, gender=gender, coding_type=coding_type, partial_type=partial_type
+    )
+    for request in requests:
+        body = bodies.get(request.number)
+        if body is not None:
+            request.body = _body_request(body, bap_quant, gender)
+        yield request
+
+
+def face_requests(
+    frames: Iterable[FapTextFrame],
+    rate: Fraction,
+    *,
+    quant: int = 1,
+    gender: int = 0,
+    coding_type: int = 0,
+    partial_type: int = 1,
+) -> Iterator[PlaneRequest]:
+    """One request per frame, as `requests_of`, without bodies; one frame is held back. Rules: FBA-54, CNF-22."""
     mask: tuple[int, ...] = ()
     types: list[int] = []
     masks: list[int] = []
-    for i, frame in enumerate(faps.frames):
+    held: PlaneRequest | None = None
+    for frame in frames:
+        if held is not None:
+            _skip(held.header, frame.number - held.number - 1)
+            yield held
         header = TemporalHeader()
-        if i == 0:
-            set_rate(header, faps.frame_rate)
-        if i < last:
-            _skip(header, faps.frames[i + 1].number - frame.number - 1)
+        if held is None:
+            set_rate(header, rate)
         if frame.mask != mask:
             mask = frame.mask
             types, masks = group_masks_of(fap_set(), {n + 1 for n, bit in enumerate(mask) if bit}, partial_type)
         face = PartRequest(_targets(frame), types, masks, quant, gender, coding_type)
         face.viseme = frame.viseme
         face.expression = frame.expression
-        body = bodies.get(frame.number)
-        yield PlaneRequest(
-            frame.number, header, None, face, None if body is None else _body_request(body, bap_quant, gender)
-        )
+        held = PlaneRequest(frame.number, header, None, face)
+    if held is not None:
+        yield held
 
 
 def _body_request(frame: BapTextFrame, quant: int, gender: int) -> PartRequest:

@@ -85,7 +85,7 @@ class Writer(SyntaxIO):
                 allowed=f"{len(models)}",
                 path=self.path(),
             )
-        for model, label, level in zip(models, labels, v, strict=True):
+        for model, label, level in zip(models, labels, v):
             if not 0 <= level - model.lo < model.n:
                 raise EncodeError(
                     el.rule, f"level of {label}", value=level, allowed=f"{model.lo}..{model.lo + model.n - 1}",
@@ -154,6 +154,16 @@ class Writer(SyntaxIO):
         self._plane_start = -1
         self._suspects.clear()
         return True
+
+    def take(self) -> bytes:
+        """The bytes that are final: nothing that is still to come changes them or looks back at them. Rules: CNF-22.
+
+        The last plane stays: a start code may have to be put before it (FBA-41).
+        """
+        before = self._plane_start if self._plane_start >= 0 else self.sink.tell()
+        for at, _, _ in self._suspects:
+            before = min(before, at)
+        return self.sink.take(before)
 
     def rest(self, el: Element, v: bytes) -> bytes:
         return self.raw(el, len(v), v)

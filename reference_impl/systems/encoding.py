@@ -5,7 +5,8 @@ Rules: FBA-1, FBA-43, FBA-52, FBA-54, SYS-2, SYS-3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from fractions import Fraction
 from itertools import groupby
 
 from ..bitstream.findings import Finding
@@ -19,12 +20,15 @@ from ..face.bap_text import BapFile
 from ..face.dct_planes import DctEncoder
 from ..face.encode import Encoder, EncoderOptions
 from ..face.epf_text import EncoderParameters
-from ..face.fap_text import FapFile
+from ..face.fap_text import FapFile, FapReader
+from ..face.masks import masked
 from ..face.records import FbaObject, FbaPlane
-from ..face.requests import PlaneRequest, rate_fields, requests_of, requests_with
+from ..face.requests import PlaneRequest, face_requests, rate_fields, requests_of, requests_with
 from ..face.syntax import ARITHMETIC, DCT
 from ..rules import finding as registered_finding
 from ..syntax.base import STUFFED_CODE, STUFFED_END
+from ..syntax.writer import Writer
+from .stream import write_pieces
 from .visual import StreamItem, VisualObjectHeader
 
 
@@ -33,6 +37,16 @@ def stream_of(planes: Iterable[FbaPlane], *, profile: int | None = None, end_cod
 
     Rules: FBA-1, SYS-2, SYS-3. `profile`: profile_and_level_indication of a sequence header, None for none.
     """
+    items = stream_around(iter(()), profile=profile, end_code=end_code)
+    for item in items:
+        if item.fba is not None:
+            item.fba.planes = list(planes)
+            item.fba.coming = None
+    return items
+
+
+def stream_around(planes: Iterator[FbaPlane], *, profile: int | None = None, end_code: bool = True) -> list[StreamItem]:
+    """As `stream_of`, but the planes are not kept: a writer takes them one by one, once. Rules: FBA-1, SYS-2, SYS-3."""
     items: list[StreamItem] = []
     if profile is not None:
         sequence = StreamItem(VISUAL_OBJECT_SEQUENCE)
@@ -42,7 +56,7 @@ def stream_of(planes: Iterable[FbaPlane], *, profile: int | None = None, end_cod
         items += [sequence, header]
     face = StreamItem(FBA_OBJECT)
     face.fba = FbaObject()
-    face.fba.planes = list(planes)
+    face.fba.coming = planes
     face.fba.end = STUFFED_CODE if end_code else STUFFED_END
     items.append(face)
     if end_code:
@@ -97,19 +111,59 @@ def encode_fap(
             bap_quant=bap_quant,
         )
     if on_finding is not None:
-        _check_rate(faps, on_finding)
+        _check_rate(faps.frame_rate, on_finding)
     planes = encode_requests(requests, options, on_finding)
     if on_progress is not None:
         planes = _counted(planes, on_progress)
     return stream_of(planes, profile=profile, end_code=end_code)
 
 
-def _check_rate(faps: FapFile, on_finding: Callable[[Finding], None]) -> None:
-    *_, said = rate_fields(faps.frame_rate)
+def encode_text(
+    text: FapReader,
+    writer: Writer,
+    options: EncoderOptions | None = None,
+    *,
+    masks: Collection[int] | None = None,
+    quant: int = 1,
+    gender: int = 0,
+    partial_type: int = 1,
+    mode: str = "arithmetic",
+    profile: int | None = None,
+    end_code: bool = True,
+    on_finding: Callable[[Finding], None] | None = None,
+    on_progress: Callable[[int], None] | None = None,
+) -> Iterator[bytes]:
+    """A `.fap` text that is read while the stream is written, piece by piece.
+
+    Rules: FBA-43, FBA-54, DCT-13, CNF-22. Memory does not grow with the text. `masks`: the FAPs that every frame is
+    to code, None for its own. The other arguments as for `encode_fap`; the findings of the text itself are complete
+    at the end (`text.findings()`).
+    """
+    if on_finding is not None:
+        _check_rate(text.frame_rate, on_finding)
+    planes = encode_requests(
+        face_requests(
+            text if masks is None else masked(text, masks),
+            text.frame_rate,
+            quant=quant,
+            gender=gender,
+            coding_type=DCT if mode == "dct" else ARITHMETIC,
+            partial_type=partial_type,
+        ),
+        options,
+        on_finding,
+    )
+    if on_progress is not None:
+        planes = _counted(planes, on_progress)
+    yield from write_pieces(stream_around(planes, profile=profile, end_code=end_code), writer)
+
+
+def _check_rate(rate: Fraction, on_finding: Callable[[Finding], None]) -> None:
+    *_, said = rate_fields(rate)
     # 29.97 in a text means 30000/1001; a closer look than the text's own digits would be noise.
-    if abs(said - faps.frame_rate) * 10_000 > faps.frame_rate:
+    if abs(said - rate) * 10_000 > rate:
         kind = registered_finding("rate-rounded")
-        on_finding(Finding(kind.id, kind.severity, kind.rule, f"{faps.frame_rate} Hz sent as {said} Hz"))
+        on_finding(Finding(kind.id, kind.severity, kind.rule, f"{rate} Hz sent as {said} Hz"))
 
 
 def encode_requests(

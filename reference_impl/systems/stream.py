@@ -171,6 +171,19 @@ def write_stream(items: Iterable[StreamItem], writer: Writer | None = None) -> b
     return io.sink.getvalue()
 
 
+def write_pieces(items: Iterable[StreamItem], writer: Writer) -> Iterator[bytes]:
+    """The bytes of a stream, piece by piece. Rules: FBA-3, FBA-41, CNF-22.
+
+    Memory does not grow with an object whose planes are `coming`. Raises EncodeError as `write_stream` does, when the
+    pieces before have been handed on.
+    """
+    for _ in visual_stream(writer, iter(items)):
+        piece = writer.take()
+        if piece:
+            yield piece
+    yield writer.sink.getvalue()
+
+
 def write_faulty(
     items: Iterable[StreamItem],
     mutations: list[Mutation],

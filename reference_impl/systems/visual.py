@@ -222,7 +222,9 @@ def _object(io: SyntaxIO, item: StreamItem) -> Iterator[tuple[StreamItem, AnyPla
             item.fba = FbaObject()
         item.fba.start_code = item.code
         yield item, None
-        planes = iter(item.fba.planes) if not io.reading else _fresh_planes()
+        planes = item.fba.coming
+        if planes is None:
+            planes = iter(item.fba.planes) if not io.reading else _fresh_planes()
         for plane in fba_object(io, item.fba, planes):
             yield item, plane
     item.end = io.tell()
