@@ -52,6 +52,7 @@ HOT = (
     "face/dct_syntax",
     "face/dct_transform",
     "face/encode",
+    "face/encode_part",
     "face/parameters",
     "face/reconstruct",
     "face/records",

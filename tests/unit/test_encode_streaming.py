@@ -14,6 +14,7 @@ from snhc.reference_impl.bitstream.sink import BitSink
 from snhc.reference_impl.face.fap_text import FapReader, read_fap
 from snhc.reference_impl.face.masks import with_masks
 from snhc.reference_impl.face.records import FbaPlane
+from snhc.reference_impl.syntax.base import END
 from snhc.reference_impl.syntax.writer import Writer
 from snhc.reference_impl.systems.encoding import encode_fap, encode_text, stream_around
 from snhc.reference_impl.systems.stream import write_pieces, write_stream
@@ -71,8 +72,11 @@ def test_runs_of_planes_without_data(count: int) -> None:
 
 def test_a_last_plane_of_zeros_is_refused_as_when_collected() -> None:
     for writes in (write_stream, lambda items, writer: b"".join(write_pieces(items, writer))):
+        items = stream_around(iter([FbaPlane(), FbaPlane()]), end_code=False)
+        assert items[-1].fba is not None
+        items[-1].fba.end = END
         with pytest.raises(EncodeError, match="last plane"):
-            writes(stream_around(iter([FbaPlane(), FbaPlane()]), end_code=False), Writer())
+            writes(items, Writer())
 
 
 def test_a_sink_keeps_what_may_still_change() -> None:
@@ -91,6 +95,7 @@ MEMORY = """
 import resource, sys
 from itertools import islice, cycle
 from snhc.reference_impl.face.fap_text import FapReader
+from snhc.reference_impl.syntax.base import END
 from snhc.reference_impl.syntax.writer import Writer
 from snhc.reference_impl.systems.encoding import encode_text
 frames = int(sys.argv[1])
