@@ -46,21 +46,24 @@ def test_committed_suite_is_what_the_recipes_make(files: dict[str, bytes]) -> No
     assert compare(files, SUITE) == []
 
 
-def test_another_hash_seed_and_locale_give_the_same_bytes(files: dict[str, bytes]) -> None:
-    code = (
-        "import hashlib\n"
-        "from snhc.vectors.generate import build_suite\n"
-        "digest = hashlib.sha256()\n"
-        "for name, content in build_suite().items():\n"
-        "    digest.update(name.encode() + b'\\0' + content)\n"
-        "print(digest.hexdigest())\n"
-    )
-    environment = {**os.environ, "PYTHONHASHSEED": "4242", "LC_ALL": "C", "TZ": "Pacific/Chatham"}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    digest = sha256()
-    for name, content in files.items():
-        digest.update(name.encode() + b"\0" + content)
-    assert done.stdout.strip() == digest.hexdigest()
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"PYTHONHASHSEED": "0", "LC_ALL": "C", "TZ": "UTC"},
+        # No assertion has an effect.
+        {"PYTHONHASHSEED": "4242", "LC_ALL": "C.UTF-8", "TZ": "Pacific/Chatham", "PYTHONOPTIMIZE": "1"},
+        {"PYTHONHASHSEED": "random", "LC_ALL": "POSIX", "TZ": "America/St_Johns", "PYTHONUTF8": "0"},
+    ],
+    ids=["plain", "optimised", "ascii"],
+)
+def test_other_hash_seeds_locales_and_time_zones_give_the_same_bytes(environment: dict[str, str]) -> None:
+    """CNF-4. `tox -e nightly` does the same with every Python that is found."""
+    code = "import sys; from snhc.conformance.cli import main; sys.argv[1:] = ['generate', '--check']; main()"
+    own = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "LC_", "LANG"))}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=own | environment, capture_output=True, text=True, check=False
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "the suite is what the recipes make\n"), done.stderr
 
 
 def _folder(tmp_path: Path, files: dict[str, bytes]) -> Path:
