@@ -1,7 +1,7 @@
 """Pages that are made from the register and the suite when the documentation is built.
 
-One page per area with all its rules, the ambiguities, the findings. They are written into `docs/generated`, which is
-not kept in the repository: the register is the only source.
+One page per area with all its rules, the ambiguities, the findings, all vectors by group. They are written into
+`docs/generated`, which is not kept in the repository: the register and the manifest are the only sources.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Final
 
 from snhc.reference_impl.rules import AREAS, CONFIDENCES, Rule, ambiguities, findings, rules
+from snhc.vectors import catalogue
 from snhc.vectors.manifest import Entry, load
 
 AREA_TITLES: Final = {
@@ -43,6 +44,7 @@ def write_pages(folder: Path) -> None:
     places = _places()
     for area in AREAS:
         pages[f"rules-{area}.md"] = _area(area, vectors, places)
+    pages |= _catalogue()
     folder.mkdir(exist_ok=True)
     for path in folder.glob("*.md"):
         if path.name not in pages:
@@ -120,7 +122,7 @@ def _rule(rule: Rule, vectors: list[Entry], places: list[str]) -> Iterator[str]:
     elif places:
         yield "Code\n: " + ", ".join(f"`{place}`" for place in places) + "\n"
     if vectors:
-        shown = ", ".join(f"`{entry.id}`" for entry in vectors[:_SHOWN])
+        shown = ", ".join(_vector(entry.id) for entry in vectors[:_SHOWN])
         more = f" and {len(vectors) - _SHOWN} more" if len(vectors) > _SHOWN else ""
         yield f"Vectors ({len(vectors)})\n: {shown}{more}: `snhc run --filter rule={rule.id}`\n"
 
@@ -144,7 +146,7 @@ def _ambiguities() -> str:
         lines += ["Rules\n: " + ", ".join(_linked(id) for id in entry.rules), ""]
         lines += ["Switch\n: " + ("yes" if entry.built else "none yet"), ""]
         if vectors[entry.id]:
-            lines += ["Vectors that tell the readings apart\n: " + ", ".join(f"`{id}`" for id in vectors[entry.id]), ""]
+            lines += ["Vectors that tell the readings apart\n: " + ", ".join(map(_vector, vectors[entry.id])), ""]
     return "\n".join(lines)
 
 
@@ -158,6 +160,29 @@ def _findings() -> str:
         for kind in findings().values()
     ]
     return "\n".join(lines) + "\n"
+
+
+def _catalogue() -> dict[str, str]:
+    """An overview and one page per group of vectors."""
+    manifest = load(check_schema=False)
+    groups = catalogue.groups(manifest)
+    lines = [
+        "# Vectors", "", f"The suite, version {manifest.suite}: {len(manifest.entries)} vectors. What the fields mean:",
+        "[](../suite.md).", "", catalogue.overview(manifest, {group: _group_page(group) for group in groups}),
+        "```{toctree}", ":hidden:", "", *(_group_page(group).removesuffix(".md") for group in groups), "```", "",
+    ]  # fmt: skip
+    pages = {"vectors.md": "\n".join(lines)}
+    for group, entries in groups.items():
+        pages[_group_page(group)] = catalogue.page(group, entries, _linked)
+    return pages
+
+
+def _group_page(group: str) -> str:
+    return f"vectors-{group.replace('.', '-')}.md"
+
+
+def _vector(id: str) -> str:
+    return f"[`{id}`]({_group_page(catalogue.group_of(id))}#{catalogue.anchor(id)})"
 
 
 def _vectors() -> dict[str, list[Entry]]:

@@ -7,7 +7,7 @@ go on to the second (`fap.arith`, `fap.dct`).
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 from .manifest import TIERS, Accepted, Entry, Expect, Manifest
@@ -89,14 +89,20 @@ def _cell(text: str) -> str:
     return text.replace("|", "\\|").replace("<", "&lt;")
 
 
-def section(entry: Entry) -> str:
-    """One vector in full, under a heading of level 3. Rules: CNF-3."""
-    lines = [f"### `{entry.id}`", "", f"**{_escaped(entry.title)}**", "", _escaped(entry.description), ""]
+def anchor(id: str) -> str:
+    """Where a vector stands on its page. Rules: CNF-3."""
+    return f"vector-{id}"
+
+
+def section(entry: Entry, link: Callable[[str], str] = str) -> str:
+    """One vector in full, under a heading of level 3 with an anchor before it. Rules: CNF-3. `link`: of rules."""
+    lines = [f"({anchor(entry.id)})=", f"### `{entry.id}`", "", f"**{_escaped(entry.title)}**", ""]
+    lines += [_escaped(entry.description), ""]
     facts = [
         ("tier, kind", f"{entry.tier}, {entry.kind}"),
         ("tools", _words(entry.tools)),
         ("profile", entry.profile or ""),
-        ("rules", ", ".join(entry.rules)),
+        ("rules", ", ".join(link(rule) for rule in entry.rules)),
         ("features", _words(entry.features)),
         ("value classes", _words(entry.value_classes)),
         ("options", ", ".join(f"`{key}`: {value}" for key, value in entry.options.as_json().items())),
@@ -104,7 +110,7 @@ def section(entry: Entry) -> str:
         ("expected", _expect(entry.expect)),
     ]
     for amb, readings in entry.readings.items():
-        facts += [(f"{amb} = {key}", _expect(expect)) for key, expect in readings.items()]
+        facts += [(f"{link(amb)} = {key}", _expect(expect)) for key, expect in readings.items()]
     if entry.tolerance is not None:
         facts.append(("tolerance", f"{entry.tolerance.model}, {entry.tolerance.bound!r}"))
     if entry.check is not None:
@@ -132,12 +138,12 @@ def _expect(expect: Expect) -> str:
     return f"{expect.error_class} ({expect.rule}) at {expect.place}{allowed}"
 
 
-def page(group: str, entries: Iterable[Entry]) -> str:
-    """The page of a group, tier by tier. Rules: CNF-3, CNF-5."""
+def page(group: str, entries: Iterable[Entry], link: Callable[[str], str] = str) -> str:
+    """The page of a group, tier by tier. Rules: CNF-3, CNF-5. `link`: as in `section`."""
     known = list(entries)
     lines = [f"# {group_title(group)}", "", f"Vectors `{group}.*`: {len(known)}.", ""]
     for tier in TIERS:
         chosen = [entry for entry in known if entry.tier == tier]
         if chosen:
-            lines += [f"## {tier}: {_TIERS[tier]}", "", *(section(entry) for entry in chosen)]
+            lines += [f"## {tier}: {_TIERS[tier]}", "", *(section(entry, link) for entry in chosen)]
     return "\n".join(lines)

@@ -17,7 +17,17 @@ from .making import RecipeFault, make
 from .manifest import MANIFEST_NAME, SUITE, Entry, Manifest, Tombstone, validate
 from .recipe import Recipe, all_recipes
 
-__all__ = ["Mismatch", "RecipeFault", "build_suite", "check", "compare", "generate", "make", "tombstones"]
+__all__ = [
+    "Mismatch",
+    "RecipeFault",
+    "build_suite",
+    "check",
+    "compare",
+    "generate",
+    "make",
+    "tombstones",
+    "write_suite",
+]
 
 SUITE_VERSION: Final = "0.1.0"
 # Stands in a folder while a suite is written to it, and remains where that was cut short.
@@ -43,14 +53,20 @@ def tombstones(path: Path = TOMBSTONES) -> tuple[Tombstone, ...]:
 
 
 def build_suite(
-    recipes: Iterable[Recipe] | None = None, progress: Callable[[str], None] | None = None
+    recipes: Iterable[Recipe] | None = None,
+    progress: Callable[[str], None] | None = None,
+    *,
+    version: str = SUITE_VERSION,
+    dead: tuple[Tombstone, ...] | None = None,
 ) -> dict[str, bytes]:
-    """All files of the suite by name, the manifest included. Rules: CNF-3, CNF-4.
+    """All files of a suite by name, the manifest included. Rules: CNF-3, CNF-4.
+
+    `recipes`: None for those of this package. `version`: of the suite. `dead`: its tombstones, None for this suite's.
 
     Raises RecipeFault for a recipe that the decoder contradicts, that names an unknown rule, or a dead id.
     """
     known = rules()
-    dead = tombstones()
+    dead = tombstones() if dead is None else dead
     files: dict[str, bytes] = {}
     entries: list[Entry] = []
     for recipe in all_recipes().values() if recipes is None else recipes:
@@ -64,25 +80,31 @@ def build_suite(
             raise RecipeFault(f"{recipe.id}: no such rule: {', '.join(unknown)}")
         entries.append(made.entry)
         files.update(made.files)
-    manifest = Manifest(SUITE_VERSION, tuple(sorted(entries, key=lambda entry: entry.id)), dead)
+    manifest = Manifest(version, tuple(sorted(entries, key=lambda entry: entry.id)), dead)
     validate(manifest.as_json())
     files[MANIFEST_NAME] = manifest.text().encode()
     return dict(sorted(files.items()))
 
 
 def generate(target: Path = SUITE) -> dict[str, bytes]:
-    """Write the suite to a folder, which then holds nothing else. Rules: CNF-4.
+    """Write the suite to a folder, which then holds nothing else. Rules: CNF-4. Raises as `write_suite`."""
+    files = build_suite()
+    write_suite(files, target)
+    return files
+
+
+def write_suite(files: dict[str, bytes], target: Path) -> None:
+    """Make a folder hold the files of a suite and nothing else. Rules: CNF-4.
 
     Refuses (RecipeFault) a folder that is neither empty nor a suite. A kill at any moment leaves every file whole, and
-    a manifest that is the old or the new one; generating again completes the folder.
+    a manifest that is the old or the new one; writing again completes the folder.
     """
-    files = build_suite()
     mark = target / UNFINISHED
     if target.exists() and any(target.iterdir()) and not ((target / MANIFEST_NAME).is_file() or mark.is_file()):
         raise RecipeFault(f"{target} is neither empty nor a suite")
     mismatches = compare(files, target)
     if not mismatches:
-        return files
+        return
     target.mkdir(parents=True, exist_ok=True)
     mark.write_bytes(b"")
     # The manifest speaks of the files, so it comes behind all that it names and before what it no longer names goes.
@@ -96,7 +118,6 @@ def generate(target: Path = SUITE) -> dict[str, bytes]:
             # What a kill left of a file may have become that file again.
             path.unlink(missing_ok=True)
     mark.unlink()
-    return files
 
 
 def _put(path: Path, content: bytes) -> None:

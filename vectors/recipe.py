@@ -131,6 +131,7 @@ class Recipe:
 
 
 RECIPES: Final[dict[str, Recipe]] = {}
+_RECIPES: Final = f"{__package__}.recipes"
 _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
@@ -227,10 +228,15 @@ def family(
 
 
 def all_recipes() -> dict[str, Recipe]:
-    """Every recipe by id, sorted. Rules: CNF-4."""
+    """Every recipe of this suite by id, sorted. Rules: CNF-4."""
     for topic in TOPICS:
-        import_module(f"{__package__}.recipes.{topic}")
-    return dict(sorted(RECIPES.items()))
+        import_module(f"{_RECIPES}.{topic}")
+    return {id: recipe for id, recipe in sorted(RECIPES.items()) if recipe.build.__module__.startswith(f"{_RECIPES}.")}
+
+
+def recipes_of(module: str) -> list[Recipe]:
+    """The recipes that a module of somebody else registered (`__name__`), by id. Rules: CNF-4."""
+    return [recipe for _, recipe in sorted(RECIPES.items()) if recipe.build.__module__ == module]
 
 
 def build_fault(build: Build) -> str:

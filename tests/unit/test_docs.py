@@ -29,6 +29,9 @@ OTHERS = {
     "python3 -m venv .venv && .venv/bin/pip install tox && .venv/bin/tox": "CI",
     "snhc generate --check": "tox, which is why it is not done twice",
     "snhc run my-decoder.toml --cluster": "tests/cluster",
+    "python own_vectors.py": "tests/unit/test_own_vectors.py",
+    "snhc run my-decoder.toml --suite own-suite": "tests/unit/test_own_vectors.py",
+    "snhc generate --suite own-suite --export own-export": "tests/unit/test_own_vectors.py",
 }
 # Verbs whose 1 is an answer, not a fault; and the one that needs a terminal.
 ANSWERS = {"run": {0, 1}, "diff": {0, 1}, "check": {0, 1}, "browse": {2}, "report": {0, 1}, "minimize": {0, 1}}
