@@ -28,6 +28,8 @@ snhc.Curves = class {
     };
     const lively = [...this.order].sort((a, b) => range(faps.get(b)) - range(faps.get(a)));
     this.shown = new Set(lively.slice(0, SHOWN_AT_FIRST));
+    // Those that are shown at first stand at the top of the list.
+    this.order = [...lively.slice(0, SHOWN_AT_FIRST), ...this.order.filter((fap) => !this.shown.has(fap))];
     this.colours = new Map(lively.map((fap, i) => [fap, HUES[i % HUES.length]]));
     this.frameOfPart = stream.parts.frame;
     this._fill();

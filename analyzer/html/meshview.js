@@ -111,11 +111,7 @@ snhc.MeshView = class {
         context.stroke();
         context.globalAlpha = 1;
       }
-      if (moved) {
-        context.strokeStyle = context.fillStyle = snhc.colour("bad");
-        context.lineWidth = 1.5;
-        for (let i = 0; i < count; i++) this._arrow(context, place(this.at(frame - 1, i)), this.places[i]);
-      }
+      if (moved) this._vectors(context, Array.from({ length: count }, (_, i) => place(this.at(frame - 1, i))), width, height);
       // Numbers only where they do not lie on each other.
       const roomy = count <= 150;
       context.font = "10.5px system-ui, sans-serif";
@@ -131,6 +127,23 @@ snhc.MeshView = class {
         }
       });
     });
+  }
+
+  // Where the nodes come from; small movements are drawn larger, and it is said.
+  _vectors(context, from, width, height) {
+    const longest = from.reduce((most, [x, y], i) => Math.max(most, Math.hypot(x - this.places[i][0], y - this.places[i][1])), 0);
+    const times = [16, 8, 4, 2].find((factor) => longest > 0 && longest * factor <= 26) || 1;
+    context.strokeStyle = context.fillStyle = snhc.colour("bad");
+    context.lineWidth = 1.5;
+    from.forEach(([x, y], i) => {
+      const [px, py] = this.places[i];
+      this._arrow(context, [px - (px - x) * times, py - (py - y) * times], [px, py]);
+    });
+    if (times > 1) {
+      context.font = "11px system-ui, sans-serif";
+      context.textAlign = "right";
+      context.fillText(`vectors × ${times}`, width - 10, height - 8);
+    }
   }
 
   _arrow(context, [x0, y0], [x1, y1]) {

@@ -99,3 +99,9 @@ def test_hostile_regular_expressions_take_no_time() -> None:
     began = time.process_time()
     values('raw.matches("(0+)+(1+)+(0+)+2")')
     assert time.process_time() - began < 20
+
+
+def test_the_page_of_the_language_has_every_name_as_it_is() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "query.md").read_text(encoding="utf-8")
+    for name, field in FIELDS.items():
+        assert f"| `{name}` | {field.type} | {field.text.replace('``', 'empty')} |" in page
