@@ -14,15 +14,15 @@ from pathlib import Path
 
 from snhc.reference_impl.bitstream.errors import SnhcError, Unsupported
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
-from snhc.reference_impl.face.frames import FaceFrame as DecodedFrame
+from snhc.reference_impl.face.decoded import header_line
+from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.interpolation.fit import FitReadings, apply_symmetry, evaluate, load_fit
 from snhc.reference_impl.interpolation.fit_bulk import BLOCK_FRAMES, evaluate_sequence
 from snhc.reference_impl.interpolation.fit_table import FitTable
 from snhc.reference_impl.interpolation.frames_json import (
-    FaceFrame,
+    FrameLine,
     LineStream,
     faces_line,
-    header_line,
     read_frames,
     vertices_line,
 )
@@ -36,11 +36,11 @@ from .face_scene import FaceModel, exact_vertices, fat_readings
 class Faults:
     """Passes frames on and keeps the fault that ends them until `check`. Rules: CNF-19, CNF-25."""
 
-    def __init__(self, frames: Iterable[FaceFrame]) -> None:
+    def __init__(self, frames: Iterable[FrameLine]) -> None:
         self._frames = frames
         self.fault: SnhcError | None = None
 
-    def __iter__(self) -> Iterator[FaceFrame]:
+    def __iter__(self) -> Iterator[FrameLine]:
         try:
             yield from self._frames
         except SnhcError as fault:
@@ -64,9 +64,9 @@ def load_table(name: str, readings: Readings = DEFAULT_READINGS, limits: Limits 
     return load_fit(Path(name), chosen, max_sets=limits.fit_sets, max_links=limits.fit_links, limit=limits.json_bytes)
 
 
-def plain_frame(frame: DecodedFrame) -> FaceFrame:
+def plain_frame(frame: FaceFrame) -> FrameLine:
     """A decoded frame in the form that FIT and the lines work on, without further keys. Rules: CNF-1."""
-    return FaceFrame(
+    return FrameLine(
         frame.index,
         f"{frame.time[0]}/{frame.time[1]}",
         frame.intra,
@@ -78,7 +78,7 @@ def plain_frame(frame: DecodedFrame) -> FaceFrame:
     )
 
 
-Fill = Callable[[DecodedFrame], DecodedFrame]
+Fill = Callable[[FaceFrame], FaceFrame]
 
 
 def filler(
@@ -91,7 +91,7 @@ def filler(
     chosen = fit_readings(readings)
     sent = str.maketrans("FS", "TT" if as_sent else "FS")
 
-    def fill(frame: DecodedFrame) -> DecodedFrame:
+    def fill(frame: FaceFrame) -> FaceFrame:
         filled = plain_frame(frame)
         if table is not None:
             filled = evaluate(table, filled, chosen)
@@ -119,26 +119,26 @@ class VertexWriter(FrameWriter):
     def begin(self, kind: str) -> None:
         if kind != "fba":
             raise Unsupported("FAT-2", "kind of the object", value=kind, allowed="fba: meshes have no FAPs")
-        self._write((header_line("vertices", self._readings.chosen) + "\n").encode())
+        self._write((header_line("vertices", self._readings) + "\n").encode())
 
-    def frame(self, frame: DecodedFrame | MeshFrame) -> None:
-        assert isinstance(frame, DecodedFrame)
+    def frame(self, frame: FaceFrame | MeshFrame) -> None:
+        assert isinstance(frame, FaceFrame)
         self._write((self._line(plain_frame(frame)) + "\n").encode())
 
 
 def interpolated(
-    frames: Iterable[FaceFrame],
+    frames: Iterable[FrameLine],
     table: FitTable | None,
     symmetry: bool = False,
     readings: Readings = DEFAULT_READINGS,
     block: int = BLOCK_FRAMES,
-) -> Iterator[FaceFrame]:
+) -> Iterator[FrameLine]:
     """Frames after FIT (state F), and by symmetry (state S) where asked for.
 
     Rules: FIT-4..8. `table`: None for no FIT. `block`: frames that are held; 1 passes each on at once.
     """
     kept = Faults(frames)
-    filled: Iterable[FaceFrame] = kept
+    filled: Iterable[FrameLine] = kept
     if table is not None:
         filled = evaluate_sequence(table, kept, fit_readings(readings), block=block)
     for frame in filled:
@@ -146,7 +146,7 @@ def interpolated(
     kept.check()
 
 
-Line = Callable[[FaceFrame], str]
+Line = Callable[[FrameLine], str]
 
 
 def vertex_lines(model: FaceModel, readings: Readings = DEFAULT_READINGS) -> Line:
@@ -158,14 +158,14 @@ def vertex_lines(model: FaceModel, readings: Readings = DEFAULT_READINGS) -> Lin
     return lambda frame: vertices_line(frame, exact_vertices(model, frame, chosen))
 
 
-def lines(frames: Iterable[FaceFrame], kind: str, line: Line, readings: Readings = DEFAULT_READINGS) -> Iterator[str]:
+def lines(frames: Iterable[FrameLine], kind: str, line: Line, readings: Readings = DEFAULT_READINGS) -> Iterator[str]:
     """The header and a line per frame, each with its newline.
 
     Rules: CNF-1, CNF-2, CNF-24. `kind`: `faces` or `vertices`. Nothing comes before it is known that there are frames
     to read.
     """
     kept = Faults(frames)
-    header = header_line(kind, readings.chosen) + "\n"
+    header = header_line(kind, readings) + "\n"
     begun = False
     for frame in kept:
         if not begun:

@@ -32,9 +32,10 @@ from snhc.reference_impl.bitstream.errors import SnhcError
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.face.coefficients import decode_document as decode_coefficients
 from snhc.reference_impl.face.coefficients import parse_document
+from snhc.reference_impl.face.decoded import header_line
 from snhc.reference_impl.face.reconstruct import dct_reading
 from snhc.reference_impl.interpolation import fit
-from snhc.reference_impl.interpolation.frames_json import faces_line, header_line, read_frames, vertices_line
+from snhc.reference_impl.interpolation.frames_json import faces_line, read_frames, vertices_line
 from snhc.reference_impl.model import fat
 from snhc.reference_impl.model.face_checks import check_neutral
 from snhc.reference_impl.model.face_definition import FaceDefinition, parse_face_definition_json
@@ -75,7 +76,7 @@ def decode_document(media: str, data: bytes, aux: bytes, options: Options) -> De
 
 def _coefficients(data: bytes, _: bytes, options: Options, report: _Report) -> Iterator[str]:
     document = parse_document(data, limit=options.limits.json_bytes)
-    yield header_line("fba", options.readings.chosen)
+    yield header_line("fba", options.readings)
     reading = dct_reading(options.readings.dc_step_ratio, options.readings.normalisation)
     for frame in decode_coefficients(document, reading):
         yield json.dumps(frame.as_json(), separators=(",", ":"))
@@ -86,7 +87,7 @@ def _faces(data: bytes, aux: bytes, options: Options, report: _Report) -> Iterat
     table = fit.parse_fit_json(
         data, impulse=readings.impulse, max_sets=options.limits.fit_sets, max_links=options.limits.fit_links
     )
-    yield header_line("faces", options.readings.chosen)
+    yield header_line("faces", options.readings)
     for frame in read_frames(BytesIO(aux), limit=options.limits.text_line_bytes):
         yield faces_line(fit.evaluate(table, frame, readings))
 
@@ -94,7 +95,7 @@ def _faces(data: bytes, aux: bytes, options: Options, report: _Report) -> Iterat
 def _vertices(data: bytes, aux: bytes, options: Options, report: _Report) -> Iterator[str]:
     readings = fat_readings(options.readings)
     document = fat.parse_fat_json(data, max_vertices=options.limits.fat_vertices)
-    yield header_line("vertices", options.readings.chosen)
+    yield header_line("vertices", options.readings)
     for frame in read_frames(BytesIO(aux), limit=options.limits.text_line_bytes):
         yield vertices_line(frame, fat.evaluate(document, frame, readings))
 
@@ -104,7 +105,7 @@ def _units(data: bytes, _: bytes, options: Options, report: _Report) -> Iterator
     units = face.fapu()
     for check in check_neutral(face):
         report(check.finding)
-    yield header_line("fapu", options.readings.chosen)
+    yield header_line("fapu", options.readings)
     line = {
         "index": 0,
         "units": {**{name: units.unit(name) for name in UNIT_NAMES}, "AU": AU},

@@ -29,7 +29,7 @@ from snhc.reference_impl.interpolation.fit_table import (
     fit_to_fields,
     parse_fit_json,
 )
-from snhc.reference_impl.interpolation.frames_json import AVAILABLE_STATES, FaceFrame
+from snhc.reference_impl.interpolation.frames_json import AVAILABLE_STATES, FrameLine
 from snhc.reference_impl.tables import left_right_pairs
 
 __all__ = [
@@ -161,7 +161,7 @@ def function_value(
     return (float(trunc(result)) if readings.undefined == "zero-truncated" else round_half_away(result)) + 0.0
 
 
-def value_list(frame: FaceFrame) -> tuple[list[float], list[bool]]:
+def value_list(frame: FrameLine) -> tuple[list[float], list[bool]]:
     """The values of a frame and which FAPs are available.
 
     Rules: FIT-5, FIT-6. Returns 75 floats (FAP f in place f - 1; viseme_select1, viseme_select2,
@@ -220,7 +220,7 @@ def interpolate(
     return given
 
 
-def evaluate(table: FitTable, frame: FaceFrame, readings: FitReadings = DEFAULT_READINGS) -> FaceFrame:
+def evaluate(table: FitTable, frame: FrameLine, readings: FitReadings = DEFAULT_READINGS) -> FrameLine:
     """The frame with the FAPs that the table gives, state F.
 
     Rules: FIT-4, FIT-5, FIT-6, FIT-7, CNF-2. Only unavailable FAPs are written; values are not clipped.
@@ -236,7 +236,7 @@ def evaluate(table: FitTable, frame: FaceFrame, readings: FitReadings = DEFAULT_
     return frame.with_faps(tuple(faps), "".join(state))
 
 
-def apply_symmetry(frame: FaceFrame) -> FaceFrame:
+def apply_symmetry(frame: FrameLine) -> FrameLine:
     """Where one side of a left/right pair is available and the other is not, the other side copies it, state
     S.
 

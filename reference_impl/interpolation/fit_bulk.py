@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from snhc.reference_impl.interpolation.fit import DEFAULT_READINGS, FitReadings
 from snhc.reference_impl.interpolation.fit_table import VALUE_COUNT, FitFunction, FitLink, FitTable, Term
-from snhc.reference_impl.interpolation.frames_json import AVAILABLE_STATES, FAP_COUNT, FaceFrame
+from snhc.reference_impl.interpolation.frames_json import AVAILABLE_STATES, FAP_COUNT, FrameLine
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -25,7 +25,7 @@ IntArray = NDArray[np.intp]
 BLOCK_FRAMES: Final = 2048
 
 
-def block_arrays(frames: Sequence[FaceFrame]) -> tuple[FloatArray, BoolArray]:
+def block_arrays(frames: Sequence[FrameLine]) -> tuple[FloatArray, BoolArray]:
     """The values and flags of `fit.value_list` for many frames: float64 (75, N) and bool (68, N).
 
     Rules: FIT-5, FIT-6.
@@ -135,7 +135,7 @@ def interpolate_block(
     return given
 
 
-def _written(frames: Sequence[FaceFrame], values: FloatArray, given: BoolArray) -> Iterator[FaceFrame]:
+def _written(frames: Sequence[FrameLine], values: FloatArray, given: BoolArray) -> Iterator[FrameLine]:
     where = np.flatnonzero(given.any(axis=1))
     columns = [(int(fap), values[fap].tolist(), given[fap].tolist()) for fap in where]
     for n, frame in enumerate(frames):
@@ -152,11 +152,11 @@ def _written(frames: Sequence[FaceFrame], values: FloatArray, given: BoolArray) 
 
 def evaluate_sequence(
     table: FitTable,
-    frames: Iterable[FaceFrame],
+    frames: Iterable[FrameLine],
     readings: FitReadings = DEFAULT_READINGS,
     *,
     block: int = BLOCK_FRAMES,
-) -> Iterator[FaceFrame]:
+) -> Iterator[FrameLine]:
     """`fit.evaluate` for every frame of a sequence, identical results.
 
     Rules: FIT-4, FIT-5, FIT-6, FIT-7, CNF-2. `block`: frames that are held at a time.

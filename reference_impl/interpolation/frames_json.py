@@ -48,8 +48,8 @@ class LineStream(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class FaceFrame:
-    """One frame of a face.
+class FrameLine:
+    """One frame of a face as a line of any decoder gives it; keys that are not read pass through.
 
     Rules: CNF-1. `time`: seconds, "p/q" or an integer as text. `faps`: 68 entries, FAP i + 1 in FAP units,
     None while unset; entries 0 and 1 are None. `viseme`: (select1, select2, blend). `expression`: (select1,
@@ -65,7 +65,7 @@ class FaceFrame:
     state: str
     raw: Mapping[str, object]
 
-    def with_faps(self, faps: tuple[int | None, ...], state: str) -> FaceFrame:
+    def with_faps(self, faps: tuple[int | None, ...], state: str) -> FrameLine:
         """The frame with other values and states. Rules: CNF-2."""
         return replace(self, faps=faps, state=state)
 
@@ -94,7 +94,7 @@ def _faps(value: object) -> tuple[int | None, ...]:
     return tuple(out)
 
 
-def frame_from_json(value: object) -> FaceFrame:
+def frame_from_json(value: object) -> FrameLine:
     """One frame from a parsed line.
 
     Rules: CNF-1, CNF-25. `intra`, `viseme` and `expression` may be absent. Raises `InputFormat` (types),
@@ -128,7 +128,7 @@ def frame_from_json(value: object) -> FaceFrame:
                 raise InconsistentSemantics(
                     "CNF-1", "state", value=letter, allowed=f"U or I, as {name} is null", path=f"state[{i}]"
                 )
-    return FaceFrame(
+    return FrameLine(
         index,
         time,
         intra,
@@ -167,7 +167,7 @@ def read_header(value: object, kinds: Sequence[str]) -> str:
     return str(root["kind"])
 
 
-def read_frames(stream: LineStream, *, limit: int = MAX_LINE_BYTES) -> Iterator[FaceFrame]:
+def read_frames(stream: LineStream, *, limit: int = MAX_LINE_BYTES) -> Iterator[FrameLine]:
     """The frames of an NDJSON stream of kind `fba` or `faces`, one at a time.
 
     Rules: CNF-1, CNF-22, CNF-25. `stream`: opened in binary or text mode; blank lines are skipped. `limit`:
@@ -194,18 +194,7 @@ def _dump(value: Mapping[str, object]) -> str:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
-def header_line(kind: str, readings: Mapping[str, str] | None = None) -> str:
-    """The header line of CNF-1, without its end.
-
-    Rules: CNF-1, CNF-2, CNF-24. `readings`: those that are not the default.
-    """
-    head: dict[str, object] = {"format": FORMAT, "version": 1, "kind": kind}
-    if readings:
-        head["readings"] = dict(readings)
-    return _dump(head)
-
-
-def faces_line(frame: FaceFrame) -> str:
+def faces_line(frame: FrameLine) -> str:
     """One line of kind `faces`: values and states after FIT, the other keys of the frame passed through.
 
     Rules: CNF-1, CNF-2.
@@ -217,7 +206,7 @@ class _Rows(Protocol):
     def tolist(self) -> list[list[float]]: ...
 
 
-def vertices_line(frame: FaceFrame, meshes: Mapping[str, _Rows]) -> str:
+def vertices_line(frame: FrameLine, meshes: Mapping[str, _Rows]) -> str:
     """One line of kind `vertices`: floats are shortest round-trip decimals.
 
     Rules: CNF-1, CNF-2. `meshes`: {name: float64 (V, 3)}. Raises `RangeViolation` for a number that is not

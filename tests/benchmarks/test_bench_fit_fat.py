@@ -10,7 +10,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from snhc.reference_impl.interpolation.fit import FitTable, evaluate, fit_from_json
 from snhc.reference_impl.interpolation.fit_bulk import block_arrays, evaluate_sequence, interpolate_block
-from snhc.reference_impl.interpolation.frames_json import FaceFrame, frame_from_json
+from snhc.reference_impl.interpolation.frames_json import FrameLine, frame_from_json
 from snhc.reference_impl.model import fat
 from snhc.reference_impl.model.fapu import Fapu
 from snhc.reference_impl.model.fat_bulk import BulkFat
@@ -35,7 +35,7 @@ def lip_table() -> FitTable:
     return fit_from_json(out)
 
 
-def frames(count: int) -> list[FaceFrame]:
+def frames(count: int) -> list[FrameLine]:
     rng = np.random.default_rng(3)
     sent = {4, 5, 6, 8, 9, 10, 11, 12, 13, 19, 34, 39}
     state = "".join("T" if i + 1 in sent else "U" for i in range(68))

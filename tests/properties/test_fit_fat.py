@@ -23,7 +23,7 @@ from snhc.reference_impl.interpolation.fit import (
 )
 from snhc.reference_impl.interpolation.fit_bulk import evaluate_sequence
 from snhc.reference_impl.interpolation.fit_text import fit_text, parse_fit_text
-from snhc.reference_impl.interpolation.frames_json import FaceFrame, faces_line, frame_from_json
+from snhc.reference_impl.interpolation.frames_json import FrameLine, faces_line, frame_from_json
 from snhc.reference_impl.model import fat
 from snhc.reference_impl.model.fapu import Fapu
 from snhc.reference_impl.model.fat_generate import generate_table
@@ -60,7 +60,7 @@ def fit_fields(draw: st.DrawFn) -> dict[str, list[float]]:
 
 
 @st.composite
-def face_frames(draw: st.DrawFn) -> FaceFrame:
+def face_frames(draw: st.DrawFn) -> FrameLine:
     faps: list[int | None] = [None] * 68
     state = ["U"] * 68
     line: dict[str, object] = {"index": 0, "time": "0/1", "intra": True, "viseme": None, "expression": None}
@@ -89,14 +89,14 @@ READINGS = st.builds(
 @settings(max_examples=300)
 @given(fit_fields(), st.lists(face_frames(), max_size=6), READINGS, st.integers(1, 7))
 def test_vectorised_fit_is_frame_by_frame_fit(
-    fields: dict[str, list[float]], frames: list[FaceFrame], readings: FitReadings, block: int
+    fields: dict[str, list[float]], frames: list[FrameLine], readings: FitReadings, block: int
 ) -> None:
     table = fit_from_json(fields)
     wanted = [evaluate(table, frame, readings) for frame in frames]
     assert list(evaluate_sequence(table, frames, readings, block=block)) == wanted
 
 
-def exact(table: FitTable, frame: FaceFrame) -> FaceFrame:
+def exact(table: FitTable, frame: FrameLine) -> FrameLine:
     """FIT-6 with exact fractions: another way to the same numbers while float64 is exact enough."""
     values: dict[int, Fraction] = {}
     high: dict[int, tuple[int, ...] | None] = {1: frame.viseme, 2: frame.expression}
@@ -137,7 +137,7 @@ def exact(table: FitTable, frame: FaceFrame) -> FaceFrame:
 
 
 @st.composite
-def dyadic(draw: st.DrawFn) -> tuple[FitTable, FaceFrame]:
+def dyadic(draw: st.DrawFn) -> tuple[FitTable, FrameLine]:
     """Tables whose arithmetic is exact in float64: no denominators, coefficients of few bits, two layers at
     most.
     """
@@ -152,7 +152,7 @@ def dyadic(draw: st.DrawFn) -> tuple[FitTable, FaceFrame]:
 
 
 @given(dyadic())
-def test_fit_against_exact_fractions(case: tuple[FitTable, FaceFrame]) -> None:
+def test_fit_against_exact_fractions(case: tuple[FitTable, FrameLine]) -> None:
     table, frame = case
     got, wanted = evaluate(table, frame), exact(table, frame)
     if all(abs(value or 0) < 2**40 for value in wanted.faps):
@@ -160,7 +160,7 @@ def test_fit_against_exact_fractions(case: tuple[FitTable, FaceFrame]) -> None:
 
 
 @given(fit_fields(), face_frames())
-def test_fit_writes_unavailable_faps_only_and_is_idempotent(fields: dict[str, list[float]], frame: FaceFrame) -> None:
+def test_fit_writes_unavailable_faps_only_and_is_idempotent(fields: dict[str, list[float]], frame: FrameLine) -> None:
     table = fit_from_json(fields)
     out = evaluate(table, frame)
     children = {fap for link in table.links for fap in table.sets[link.child]}
@@ -217,7 +217,7 @@ def test_rounding_is_exact(value: float) -> None:
 
 
 @given(face_frames())
-def test_symmetry_changes_only_what_is_unavailable(frame: FaceFrame) -> None:
+def test_symmetry_changes_only_what_is_unavailable(frame: FrameLine) -> None:
     out = apply_symmetry(frame)
     for before, after in zip(
         zip(frame.state, frame.faps, strict=True), zip(out.state, out.faps, strict=True), strict=True

@@ -17,7 +17,7 @@ from snhc.reference_impl.interpolation.fit import (
 )
 from snhc.reference_impl.interpolation.fit_bulk import evaluate_sequence
 from snhc.reference_impl.interpolation.fit_table import FitTable
-from snhc.reference_impl.interpolation.frames_json import FaceFrame, faces_line, frame_from_json, read_frames
+from snhc.reference_impl.interpolation.frames_json import FrameLine, faces_line, frame_from_json, read_frames
 
 SAMPLES = sorted((Path(__file__).parents[1] / "fixtures" / "samples" / "fit").iterdir())
 
@@ -28,7 +28,7 @@ def frame(
     viseme: tuple[int, int, int] | None = None,
     expression: tuple[int, int, int, int] | None = None,
     states: dict[int, str] | None = None,
-) -> FaceFrame:
+) -> FrameLine:
     """A frame where the FAPs that are given are transmitted; `states` overrides letters."""
     values: list[int | None] = [None] * 68
     letters = ["U"] * 68
@@ -79,11 +79,11 @@ def linear(*coefs: float) -> tuple[list[Term], list[Term]]:
     return [(c, tuple(int(j == i) for j in range(size))) for i, c in enumerate(coefs)], []
 
 
-def given(result: FaceFrame) -> dict[int, int | None]:
+def given(result: FrameLine) -> dict[int, int | None]:
     return {i + 1: result.faps[i] for i, letter in enumerate(result.state) if letter == "F"}
 
 
-def run(fit: FitTable, source: FaceFrame, readings: FitReadings | None = None) -> dict[int, int | None]:
+def run(fit: FitTable, source: FrameLine, readings: FitReadings | None = None) -> dict[int, int | None]:
     """The values that were given, by the literal and the vectorised form."""
     chosen = readings or FitReadings()
     result = evaluate(fit, source, chosen)

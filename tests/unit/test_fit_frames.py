@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.face.decoded import header_line
 from snhc.reference_impl.interpolation.fit import evaluate, fit_from_json
 from snhc.reference_impl.interpolation.fit_bulk import evaluate_sequence
 from snhc.reference_impl.interpolation.frames_json import (
-    FaceFrame,
+    FrameLine,
     faces_line,
     frame_from_json,
-    header_line,
     read_frames,
     vertices_line,
 )
+from snhc.reference_impl.syntax.element import Readings
 
 HEADER = '{"format":"snhc-decoded","version":1,"kind":"fba"}\n'
 GOOD: dict[str, object] = {
@@ -33,7 +34,7 @@ GOOD: dict[str, object] = {
 }
 
 
-def read(text: str | bytes, limit: int = 1 << 20) -> list[FaceFrame]:
+def read(text: str | bytes, limit: int = 1 << 20) -> list[FrameLine]:
     stream = io.BytesIO(text) if isinstance(text, bytes) else io.StringIO(text)
     return list(read_frames(stream, limit=limit))
 
@@ -114,7 +115,7 @@ def test_a_line_of_exactly_the_limit_is_read() -> None:
 
 def test_lines_out() -> None:
     assert header_line("faces") == '{"format":"snhc-decoded","version":1,"kind":"faces"}'
-    assert json.loads(header_line("faces", {"AMB-FIT-1": "from-1"}))["readings"] == {"AMB-FIT-1": "from-1"}
+    assert json.loads(header_line("faces", Readings({"AMB-FIT-1": "from-1"})))["readings"] == {"AMB-FIT-1": "from-1"}
     frame = frame_from_json(GOOD)
     points = np.array([[0.1, 1 / 3, -2.0]])
     assert vertices_line(frame, {"Face": points}) == (
