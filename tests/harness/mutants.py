@@ -204,6 +204,15 @@ def viseme_out_of_nowhere(frames: list[Frame]) -> None:
     frames[-1]["viseme"] = {"select1": 1, "select2": 0, "blend": 0, "def": 0}
 
 
+@_frames
+def flags_for_numbers(frames: list[Frame]) -> None:
+    # Equal in Python, another value in JSON.
+    for frame in frames:
+        for key in ("gender", "coding_type", "fap_quant"):
+            if frame.get(key) in (0, 1):
+                frame[key] = bool(frame[key])
+
+
 if __name__ == "__main__":
     given, said, code = answer()
     finish(MUTANTS[sys.argv[2]](given) if code == 0 else given, said, code)

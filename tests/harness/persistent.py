@@ -72,6 +72,8 @@ def fault(name: str, message: Message) -> None:
         say({**good, "seq": good["seq"] - 1})
     elif name == "seq_is_text":
         say({**good, "seq": str(good["seq"])})
+    elif name == "seq_is_float":
+        say({**good, "seq": float(good["seq"])})
     elif name == "wrong_type":
         say({**good, "type": "hello"})
     elif name == "two_answers":

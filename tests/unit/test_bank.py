@@ -156,6 +156,7 @@ FAULTS = {
     "wrong_seq": ("error", "decode 2 was asked, the answer is for 'decode' 3"),
     "seq_of_the_last": ("error", "the answer is for 'decode' 1"),
     "seq_is_text": ("error", "the answer is for 'decode' '2'"),
+    "seq_is_float": ("error", "the answer is for 'decode' 2.0"),
     "wrong_type": ("error", "the answer is for 'hello' 2"),
     # Whether the second line is here before the next question is a matter of time.
     "two_answers": ("error", "after its answer: "),

@@ -144,7 +144,8 @@ def test_a_program_cannot_write_elsewhere(tmp_path: Path) -> None:
         pytest.skip("this kernel has no Landlock")
     (tmp_path / "there").write_text("old")
     for code in (
-        "open('{}/new', 'w')", "open('{}/there', 'w')", "os.remove('{}/there')", "os.truncate('{}/there', 0)",
+        "open('{}/new', 'w')", "open('{}/there', 'w')", "open('{}/there', 'r+').write('new')",
+        "os.remove('{}/there')", "os.truncate('{}/there', 0)",
         "os.mkdir('{}/folder')", "open('a', 'w'); os.rename('a', '{}/a')", "os.symlink('a', '{}/link')",
     ):  # fmt: skip
         finished = ran("import os; " + code.format(tmp_path))
