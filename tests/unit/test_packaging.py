@@ -35,3 +35,14 @@ def test_every_folder_is_mapped_below_the_distribution_name() -> None:
     assert isinstance(tool, dict)
     mapping = tool["setuptools"]["package-dir"]
     assert mapping == {f"snhc.{room}": room for room in ROOMS}
+
+
+def test_what_users_need_beside_the_code_is_installed() -> None:
+    import snhc.conformance
+
+    folder = Path(snhc.conformance.__file__).parent
+    for name in (
+        "c/snhc_decoder.h", "adapters/adapter.schema.json", "adapters/protocol.schema.json", "doctor.schema.json",
+        "isolation/warden.py",
+    ):  # fmt: skip
+        assert (folder / name).is_file(), name
