@@ -8,7 +8,8 @@ Rules: CNF-3. The form of the list is `changes.schema.json`.
     none    nothing changed
 
 That holds before 1.0.0 too. The version may take a larger step than it must. Ids are permanent: one that is gone needs
-a tombstone, and one with a tombstone never comes back. What breaks this is a fault.
+a tombstone, and one with a tombstone never comes back. What breaks this is an error; a version said of a vector or a
+tombstone that does not lie between the two suites is a warning.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ _EXPECTATION: Final = ("kind", "tools", "profile", "expect", "tolerance", "readi
 _WORDS: Final = (
     "title", "description", "tier", "rules", "features", "value_classes", "provenance", "notes", "since", "files",
 )  # fmt: skip
+
+_SAID: Final = ("tombstone-version", "since")
 
 Version = tuple[int, int, int]
 
@@ -73,9 +76,14 @@ class Fault:
     id: str
     message: str
 
+    @property
+    def severity(self) -> str:
+        """`error`, or `warning` for what is only said wrongly."""
+        return "warning" if self.kind in _SAID else "error"
+
     def as_json(self) -> dict[str, Any]:
         """The entry of the list."""
-        return {"fault": self.kind, "id": self.id or None, "message": self.message}
+        return {"fault": self.kind, "severity": self.severity, "id": self.id or None, "message": self.message}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +95,11 @@ class ChangeList:
     step: str
     changes: tuple[Change, ...]
     faults: tuple[Fault, ...]
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is an error."""
+        return any(fault.severity == "error" for fault in self.faults)
 
     @property
     def required(self) -> str:
@@ -120,7 +133,7 @@ class ChangeList:
         if self.faults:
             yield f"\nfaults ({len(self.faults)}):\n"
             for fault in self.faults:
-                yield f"  {fault.kind}: {f'{fault.id}: ' if fault.id else ''}{fault.message}\n"
+                yield f"  {fault.severity}: {fault.kind}: {f'{fault.id}: ' if fault.id else ''}{fault.message}\n"
 
 
 def _why(change: Change) -> str:
@@ -183,6 +196,9 @@ def _id_faults(old: Manifest, new: Manifest) -> Iterator[Fault]:
     for id in sorted(dead.keys() - buried.keys()):
         if not _between(old.suite, dead[id].removed, new.suite):
             yield Fault("tombstone-version", id, f"removed in {dead[id].removed}, {_range(old, new)}")
+    if old.suite == new.suite:
+        # Work on the way to a version that nobody has named yet: the version itself is at fault.
+        return
     for entry in new.entries:
         if entry.id not in before and not _between(old.suite, entry.since, new.suite):
             yield Fault("since", entry.id, f"since {entry.since}, {_range(old, new)}")

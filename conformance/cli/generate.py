@@ -109,4 +109,4 @@ def _changes(old: Path, folder: Path, format: str) -> tuple[Iterable[str], bool]
     from snhc.vectors.manifest import load
 
     found = changes_between(load_old(old), load(folder))
-    return [found.text()] if format == "json" else found.lines(), bool(found.faults)
+    return [found.text()] if format == "json" else found.lines(), found.failed

@@ -94,6 +94,11 @@ def test_added() -> None:
     assert (found.step, found.required, found.faults) == ("minor", "1.3.0", ())
 
 
+def test_while_the_version_stands_still_only_the_version_is_at_fault() -> None:
+    found = compare(OLD, replace(OLD, entries=(*OLD.entries, replace(VALID, id="test.new", since="1.2.3"))))
+    assert [fault.kind for fault in found.faults] == ["version"] and found.failed
+
+
 def test_removed_with_a_tombstone() -> None:
     tombstone = Tombstone(VALID.id, "2.0.0", "it was wrong")
     found = compare(OLD, Manifest("2.0.0", (INVALID, AMBIGUOUS), (tombstone,)))
@@ -141,7 +146,10 @@ BURIED = replace(OLD, tombstones=(DEAD,))
     ],
 )
 def test_what_ids_and_tombstones_must_not_do(old: Manifest, new: Manifest, faults: list[tuple[str, str]]) -> None:
-    assert [(fault.kind, fault.id) for fault in compare(old, new).faults] == faults
+    found = compare(old, new)
+    assert [(fault.kind, fault.id) for fault in found.faults] == faults
+    # What is only said wrongly does not fail.
+    assert found.failed == (not {kind for kind, _ in faults} <= {"since", "tombstone-version"})
 
 
 @pytest.mark.parametrize(
