@@ -5,7 +5,7 @@ Rules: CNF-4. Run: `python tests/nightly/check_pythons.py [--python FILE ...]`, 
 Looked at: `pythonX.Y` on the path, the versions of pyenv, and what `--python` adds. One interpreter per minor version
 is taken, the newest. The package is built once, uncompiled, and installed as a stranger would, with its dependencies.
 Three checks run with other hash seeds, locales and time zones, one of them with assertions off. Versions that are not
-there are counted. Exit code 1 where a check fails, or where fewer than two versions could be run.
+there are counted. Exit code 1 where a check fails, or where fewer than `--least` versions (2) could be run.
 """
 
 from __future__ import annotations
@@ -109,7 +109,9 @@ def main() -> int:
     """Check all; the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
     parser.add_argument("--python", action="append", default=[], metavar="FILE", help="One more interpreter.")
-    found = pythons(parser.parse_args().python)
+    parser.add_argument("--least", type=int, default=LEAST, metavar="N", help="So many versions must be there.")
+    arguments = parser.parse_args()
+    found = pythons(arguments.python)
     good = bad = 0
     with tempfile.TemporaryDirectory(prefix="snhc-pythons-") as name:
         folder = Path(name)
@@ -131,7 +133,7 @@ def main() -> int:
     if missing:
         _say(f"not run: {len(missing)} versions of Python ({', '.join(missing)}: none found)")
     _say(f"{good} passed, {bad} failed")
-    return 1 if bad or good < LEAST else 0
+    return 1 if bad or good < arguments.least else 0
 
 
 if __name__ == "__main__":
