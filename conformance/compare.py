@@ -26,12 +26,12 @@ from snhc.reference_impl.bitstream.errors import SnhcError
 from snhc.reference_impl.face.dct_comparison import first_mismatch
 from snhc.reference_impl.face.fap_text import FapTextFrame
 from snhc.reference_impl.face.records import FbaPlane
-from snhc.reference_impl.rules import ambiguity
-from snhc.reference_impl.syntax.element import Readings
+from snhc.reference_impl.rules import ambiguities, ambiguity
+from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
 from snhc.reference_impl.systems.output import FapFrames
 from snhc.reference_impl.systems.stream import decode_planes
 from snhc.vectors.dct_tolerance import Unrounded, unrounded_planes
-from snhc.vectors.decoding import decode_input
+from snhc.vectors.decoding import Decoded, decode_input
 from snhc.vectors.manifest import CONCEAL, DOCUMENTS, REJECT, Accepted, Entry, Rejected
 
 from .adapters import REJECTED, Outcome
@@ -72,6 +72,9 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
         line = said(outcome.stderr)
         if outcome.code == REJECTED and line.get("class") == "Unsupported":
             return Verdict("not_applicable", "the decoder says Unsupported")
+        followed = followed_by(outcome)
+        if followed:
+            return _following(entry, outcome, line, suite, format, followed)
         if entry.readings:
             return _ambiguous(entry, outcome, line, suite, format)
         if isinstance(entry.expect, Rejected):
@@ -146,7 +149,7 @@ def _parsed(format: str, text: bytes, kind: str) -> list[Frame]:
 def _against_file(
     entry: Entry, expect: Accepted, outcome: Outcome, suite: Path, format: str, readings: Readings
 ) -> Difference | None:
-    wanted = (suite / expect.file).read_bytes()
+    wanted = _wanted(entry, expect, suite, readings)
     if format == "fap":
         texts, unrounded = _reference_fap(entry, suite, readings)
         return fap_difference(texts, fap_text(outcome.stdout), _face_near(entry, unrounded))
@@ -154,6 +157,18 @@ def _against_file(
         return None
     reference, candidate = ndjson(wanted, expect.kind), _parsed(format, outcome.stdout, expect.kind)
     return _difference(entry, expect.kind, reference, candidate, suite, readings)
+
+
+def _wanted(entry: Entry, expect: Accepted, suite: Path, readings: Readings) -> bytes:
+    if expect.file:
+        return (suite / expect.file).read_bytes()
+    # Nobody has written down what this choice of readings gives.
+    return _reference(entry, suite, readings).text.encode()
+
+
+def _reference(entry: Entry, suite: Path, readings: Readings) -> Decoded:
+    aux = (suite / entry.aux).read_bytes() if entry.aux else None
+    return decode_input(entry.media, (suite / entry.file).read_bytes(), aux, entry.options.for_decoder(readings))
 
 
 def _difference(
@@ -236,13 +251,19 @@ def _reference_fap(entry: Entry, suite: Path, readings: Readings) -> tuple[list[
 
 
 def _rejected(
-    entry: Entry, expect: Rejected, outcome: Outcome, said: Mapping[str, Any], suite: Path, format: str
+    entry: Entry,
+    expect: Rejected,
+    outcome: Outcome,
+    said: Mapping[str, Any],
+    suite: Path,
+    format: str,
+    readings: Readings = DEFAULT_READINGS,
 ) -> Verdict:
     wanted = f"{expect.error_class} ({expect.rule}) at {expect.place or 'no place'}"
     if outcome.code == 0:
         if CONCEAL not in expect.allowed:
             return Verdict("fail", f"a broken stream was accepted, expected {wanted}")
-        return _concealed(entry, expect, outcome, suite, format)
+        return _concealed(entry, expect, outcome, suite, format, readings)
     if REJECT not in expect.allowed:
         return Verdict("fail", "the stream was rejected, the decoder has to go on")
     if "class" in said and said["class"] != expect.error_class:
@@ -300,10 +321,12 @@ def overlap(a: tuple[int, int], b: tuple[int, int]) -> bool:
 _NOTHING_FOLLOWS: Final = ("Truncated", "ResourceLimit")
 
 
-def _concealed(entry: Entry, expect: Rejected, outcome: Outcome, suite: Path, format: str) -> Verdict:
+def _concealed(
+    entry: Entry, expect: Rejected, outcome: Outcome, suite: Path, format: str, readings: Readings
+) -> Verdict:
     found: Difference | None
     if format == "fap":
-        texts, unrounded = _reference_fap(entry, suite, Readings())
+        texts, unrounded = _reference_fap(entry, suite, readings)
         got = fap_text(outcome.stdout)
         found, before, given = (
             fap_difference(texts, got, _face_near(entry, unrounded), prefix=True),
@@ -311,11 +334,10 @@ def _concealed(entry: Entry, expect: Rejected, outcome: Outcome, suite: Path, fo
             len(got),
         )
     else:
-        aux = (suite / entry.aux).read_bytes() if entry.aux else None
-        decoded = decode_input(entry.media, (suite / entry.file).read_bytes(), aux, entry.options.for_decoder())
+        decoded = _reference(entry, suite, readings)
         lines = ndjson(decoded.text.encode(), decoded.kind)
         frames = _parsed(format, outcome.stdout, decoded.kind)
-        found = _difference(entry, decoded.kind, lines, frames, suite, Readings(), prefix=True)
+        found = _difference(entry, decoded.kind, lines, frames, suite, readings, prefix=True)
         before, given = len(lines), len(frames)
     if found is not None:
         return Verdict("fail", f"the fault was concealed, but before it: {found}", found)
@@ -348,3 +370,46 @@ def _ambiguous(entry: Entry, outcome: Outcome, said: Mapping[str, Any], suite: P
             first = first or verdict
     assert first is not None
     return Verdict(first.status, f"{words}: {first.reason}", first.difference)
+
+
+# -- readings that a decoder follows -----------------------------------------------------------------------------------
+
+
+def followed_by(outcome: Outcome) -> dict[str, str]:
+    """The readings that a decoder claims and that are not the default. Rules: CNF-24."""
+    known = ambiguities()
+    return {
+        amb: key
+        for amb, key in outcome.readings.items()
+        if amb in known and known[amb].built and key in known[amb].readings and key != known[amb].followed
+    }
+
+
+def _following(
+    entry: Entry, outcome: Outcome, said: Mapping[str, Any], suite: Path, format: str, followed: Mapping[str, str]
+) -> Verdict:
+    """As the reference decoder with the same readings; many streams show one that were not made to show it."""
+    choices: list[dict[str, str]] = [dict(followed)]
+    for amb, readings in entry.readings.items():
+        if amb not in outcome.readings:
+            choices = [{**choice, amb: key} for choice in choices for key in readings]
+    first: Verdict | None = None
+    for choice in choices:
+        chosen = Readings(choice)
+        decoded = _reference(entry, suite, chosen)
+        if decoded.error is None:
+            expect = Accepted(decoded.kind, "", "")
+            verdict = _accepted(entry, expect, outcome, said, suite, format, chosen)
+        else:
+            verdict = _rejected(entry, _fault(entry, decoded.error), outcome, said, suite, format, chosen)
+        names = ", ".join(f"{amb}={key}" for amb, key in choice.items())
+        if verdict.status == "pass":
+            return Verdict("pass", verdict.reason, reading=names if entry.readings else "")
+        first = first or Verdict(verdict.status, f"with {names}: {verdict.reason}", verdict.difference)
+    assert first is not None
+    return first
+
+
+def _fault(entry: Entry, error: SnhcError) -> Rejected:
+    allowed = entry.expect.allowed if isinstance(entry.expect, Rejected) else (REJECT,)
+    return Rejected(error.error_class, error.rule, error.bits, allowed, error.path, error.line)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final, Protocol, Self
 
 from snhc.reference_impl.bitstream.errors import ResourceLimit, SnhcError
+from snhc.reference_impl.rules import ambiguities
 from snhc.vectors.decoding import decode_input
 from snhc.vectors.manifest import KINDS, DecodeOptions, Entry, Rejected
 
@@ -72,6 +73,9 @@ class Adapter(Protocol):
 
     def timed(self, seconds: float) -> Self:
         """The same adapter with another time limit per vector. Rules: CNF-14."""
+
+    def following(self, readings: Mapping[str, str]) -> Self:
+        """The same adapter, asked to follow other readings. Rules: CNF-24."""
 
     def close(self) -> None:
         """End whatever still runs for it; it may be asked again. Rules: CNF-10, CNF-14."""
@@ -137,6 +141,17 @@ class Claims:
             self.tools & other.tools, self.kinds & other.kinds, profiles, limits, {**self.readings, **other.readings},
             self.options & other.options, tuple(name for name in self.formats if name in other.formats),
         )  # fmt: skip
+
+
+def unknown_reading(readings: Mapping[str, str]) -> str:
+    """What is wrong with claimed readings, "" for nothing. Rules: CNF-24."""
+    known = ambiguities()
+    for amb, key in readings.items():
+        if amb not in known:
+            return f"there is no ambiguity {amb}"
+        if key not in known[amb].readings:
+            return f"{amb} has no reading {key!r}; it has {', '.join(known[amb].readings)}"
+    return ""
 
 
 def needed(options: DecodeOptions) -> list[tuple[str, dict[str, str]]]:

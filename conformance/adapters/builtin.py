@@ -8,10 +8,12 @@ from __future__ import annotations
 import json
 import time
 import traceback
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 
+from snhc.reference_impl.syntax.element import Readings
 from snhc.vectors.decoding import decode_input
 from snhc.vectors.manifest import Entry
 
@@ -25,6 +27,7 @@ class BuiltIn:
     name: str = "snhc"
     format: str = "ndjson"
     reproduce: str = ""
+    readings: Mapping[str, str] = field(default_factory=dict)
 
     def lacks(self, entry: Entry) -> str:
         """Nothing: what is not built says `Unsupported` itself."""
@@ -34,8 +37,9 @@ class BuiltIn:
         """Decode one vector; a fault is a rejection with its JSON line, an internal error is a crash."""
         started = time.monotonic()
         try:
+            chosen = Readings(dict(self.readings))
             second = None if aux is None else aux.read_bytes()
-            decoded = decode_input(entry.media, path.read_bytes(), second, entry.options.for_decoder())
+            decoded = decode_input(entry.media, path.read_bytes(), second, entry.options.for_decoder(chosen))
         except Exception:  # noqa: BLE001 (a bug of the reference decoder is a result, like any other decoder's crash)
             return Outcome(None, stderr=traceback.format_exc().encode(), detail="internal error")
         error = decoded.error
@@ -44,11 +48,16 @@ class BuiltIn:
             decoded.text.encode(),
             b"" if error is None else json.dumps(error.as_json()).encode() + b"\n",
             seconds=time.monotonic() - started,
+            readings=self.readings,
         )
 
     def timed(self, seconds: float) -> Self:
         """Itself: it runs in this process, and nothing can stop it."""
         return self
+
+    def following(self, readings: Mapping[str, str]) -> Self:
+        """The same with other readings."""
+        return replace(self, readings={**self.readings, **readings})
 
     def close(self) -> None:
         """Nothing runs."""

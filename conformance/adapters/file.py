@@ -17,7 +17,7 @@ from snhc.conformance.process import DEFAULT_MEMORY, Surroundings, resolved
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
 from snhc.vectors.manifest import KINDS
 
-from .base import DEFAULT_TIMEOUT, Adapter, AdapterFault, Claims
+from .base import DEFAULT_TIMEOUT, Adapter, AdapterFault, Claims, unknown_reading
 from .builtin import BuiltIn
 from .oneshot import OneShot
 from .persistent import ANYTHING, Persistent
@@ -54,6 +54,9 @@ def check(table: Table, name: str) -> None:
     errors = sorted(validator.iter_errors(table), key=lambda error: (len(error.absolute_path) == 0, error.json_path))
     if errors:
         raise _misfit(errors[0], table, name)
+    wrong = unknown_reading(table.get("readings", {}))
+    if wrong:
+        raise AdapterFault("CNF-24", f"{name}: readings", value=wrong, allowed="what `snhc rules AMB` lists")
 
 
 def _misfit(error: ValidationError, table: Table, name: str) -> AdapterFault:

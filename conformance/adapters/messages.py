@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from snhc.vectors.manifest import KINDS, Entry
 
-from .base import FORMATS, Claims
+from .base import FORMATS, Claims, unknown_reading
 
 PROTOCOL: Final = "snhc-adapter"
 VERSION: Final = 1
@@ -89,6 +89,9 @@ def answer(line: bytes, asked: Message) -> Message:
         check(f"{asked['type']}_answer", message)
     except Misfit as error:
         raise Misfit(f"the answer to {asked['type']} is wrong: {error}") from error
+    wrong = unknown_reading(message.get("readings", {})) if asked["type"] == "hello" else ""
+    if wrong:
+        raise Misfit(f"the answer to hello is wrong: {wrong}")
     return message
 
 

@@ -105,6 +105,10 @@ class OneShot:
         """The same with another time limit."""
         return replace(self, timeout=seconds)
 
+    def following(self, readings: Mapping[str, str]) -> Self:
+        """The same, told by the option `reading` if it has one."""
+        return replace(self, readings={**self.readings, **readings})
+
     def close(self) -> None:
         """Nothing runs between two vectors."""
 

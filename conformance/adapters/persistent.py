@@ -15,6 +15,7 @@ import contextlib
 import json
 import threading
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
@@ -143,6 +144,11 @@ class Persistent:
     def timed(self, seconds: float) -> Self:
         """The same with another time limit, and processes of its own."""
         return replace(self, timeout=seconds, _pool=_Pool())
+
+    def following(self, readings: Mapping[str, str]) -> Self:
+        """The same, told by hello; with processes of its own."""
+        claims = replace(self.claims, readings={**self.claims.readings, **readings})
+        return replace(self, claims=claims, _pool=_Pool())
 
     def close(self) -> None:
         """Say bye to all processes that wait."""

@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import REPORT_FORMATS, REPORT_SUFFIXES, Common, Output, colour_allowed, common_options, format_of, progress
+from .common import (
+    REPORT_FORMATS,
+    REPORT_SUFFIXES,
+    Common,
+    Output,
+    colour_allowed,
+    common_options,
+    format_of,
+    parse_readings,
+    progress,
+)
 
 if TYPE_CHECKING:
     from snhc.conformance.adapters import Adapter
@@ -43,6 +53,10 @@ def _shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Sha
 @click.option(
     "--adapter-format", type=click.Choice(["ndjson", "fap", "csv"]), default="ndjson", show_default=True,
     help="What --adapter-command prints.",
+)  # fmt: skip
+@click.option(
+    "--reading", metavar="ID=KEY", multiple=True, callback=lambda ctx, param, value: parse_readings(value),
+    help="Have the decoders follow another reading of an ambiguity (see `snhc rules AMB`). Repeatable.",
 )  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0.01), help="Seconds per vector, for all adapters.")
 @click.option(
@@ -127,6 +141,9 @@ def command(
     decoders += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
     if timeout is not None:
         decoders = [one.timed(timeout) for one in decoders]
+    decoders = decoders or [kinds.BuiltIn()]
+    if common.readings.chosen:
+        decoders = [one.following(common.readings.chosen) for one in decoders]
     folder = suite if suite is not None else SUITE
     known = ledgers.load(ledger) if ledger is not None else None
     journal = resume if resume is not None else _journal(common.output)
@@ -134,7 +151,7 @@ def command(
         shown = _Shown(bar)
         try:
             report = run(
-                load(folder), decoders or [kinds.BuiltIn()], suite=folder, select=select, filter=expression, jobs=jobs,
+                load(folder), decoders, suite=folder, select=select, filter=expression, jobs=jobs,
                 shard=shard, cluster=cluster, journal=journal, resume=resume is not None, ledger=known, traces=traces,
                 progress=shown,
             )  # fmt: skip

@@ -29,9 +29,11 @@ from snhc.conformance.adapters import (
     find,
     from_command,
     load,
+    messages,
 )
 from snhc.conformance.adapters.file import SCHEMA_FILE
 from snhc.conformance.adapters.messages import SCHEMA_FILE as PROTOCOL_SCHEMA
+from snhc.conformance.cli import snhc
 from snhc.conformance.cli.run import command as run_command
 from snhc.conformance.compare import judge
 from snhc.conformance.runner import run
@@ -241,3 +243,51 @@ def test_an_adapter_is_known_by_its_text_in_every_process(tmp_path: Path) -> Non
         for seed in ("1", "2", "3")
     }
     assert len(said) == 1 and b"tools=['fba', 'mesh']" in said.pop()
+
+
+# -- other readings ----------------------------------------------------------------------------------------------------
+
+
+def _reference(readings: dict[str, str]) -> BuiltIn:
+    return BuiltIn(readings=readings)
+
+
+BEFORE = {"AMB-FBA-6": "before"}
+# Streams that show the reading without having been made for it, and one that was.
+SHOWING = ("fap.arith.example.1", "fba.body.alternating", "fba.ambiguous.skipped-frames", INVALID)
+
+
+def test_a_decoder_that_follows_another_reading_is_held_against_that_reading() -> None:
+    assert _statuses(_reference(BEFORE), *SHOWING) == ("pass",) * 4
+    # The same output without the claim, and the claim without the output.
+    for id, claimed, followed in ((VALID, {}, BEFORE), (VALID, BEFORE, {})):
+        entry = ENTRIES[id]
+        outcome = replace(_reference(followed).decode(entry, SUITE / entry.file), readings=claimed)
+        verdict = judge(entry, outcome, SUITE, "ndjson")
+        assert verdict.status == "fail" and verdict.difference is not None and verdict.difference.what == "time"
+
+
+def test_an_ambiguous_stream_may_follow_any_reading_of_its_own_beside_one_that_is_claimed() -> None:
+    entry = ENTRIES["fap.ambiguous.clipping"]
+    for key in entry.readings["AMB-FBA-4"]:
+        outcome = _reference({**BEFORE, "AMB-FBA-4": key}).decode(entry, SUITE / entry.file)
+        verdict = judge(entry, replace(outcome, readings=BEFORE), SUITE, "ndjson")
+        assert verdict.status == "pass" and f"AMB-FBA-4={key}" in verdict.reading
+
+
+def test_readings_are_handed_to_every_kind_of_adapter() -> None:
+    for adapter in (_adapter(), BuiltIn()):
+        assert adapter.following(BEFORE).readings == BEFORE
+    assert Persistent("x", ("x",)).following(BEFORE).claims.readings == BEFORE
+    result = CliRunner().invoke(snhc, ["run", "--reading", "AMB-FBA-6=before", "--filter", "|".join(SHOWING)])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize(("id", "key"), [("AMB-FBA-99", "x"), ("AMB-FBA-6", "sideways")])
+def test_readings_that_there_are_not_are_refused(tmp_path: Path, id: str, key: str) -> None:
+    with pytest.raises(AdapterFault, match=id):
+        load(_toml(tmp_path, f'command = ["x"]\nreadings = {{ {id} = "{key}" }}\n'))
+    question = messages.hello(1, {})
+    line = json.dumps({**question, "readings": {id: key}}).encode()
+    with pytest.raises(messages.Misfit, match=id):
+        messages.answer(line, question)
