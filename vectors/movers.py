@@ -12,6 +12,9 @@ from .seeded import Seeded
 ANGLES: Final = frozenset((23, 24, 25, 26, 48, 49, 50))
 """The FAPs that are angles: their numbers are large."""
 
+LONGEST_STEP: Final = 0.7
+"""Of a spring, in its own time (stiffness * seconds): longer ones are not stable."""
+
 
 @final
 class Spring:
@@ -26,10 +29,15 @@ class Spring:
         self.target = 0.0
 
     def step(self, seconds: float) -> float:
-        """The value after some more seconds."""
-        pull = self._stiffness * self._stiffness * (self.target - self.value) - 2.0 * self._stiffness * self._speed
-        self._speed = self._speed + pull * seconds
-        self.value = self.value + self._speed * seconds
+        """The value after some more seconds. Long steps go in parts: past 0.8 of its own time a spring swings up."""
+        parts = 1
+        while self._stiffness * seconds > LONGEST_STEP * parts:
+            parts += 1
+        part = seconds / parts
+        for _ in range(parts):
+            pull = self._stiffness * self._stiffness * (self.target - self.value) - 2.0 * self._stiffness * self._speed
+            self._speed = self._speed + pull * part
+            self.value = self.value + self._speed * part
         return self.value
 
 

@@ -6,7 +6,7 @@ Rules: FAC-4, FAC-10, FAT-4.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from snhc.analyzer.face_render import Camera, SoftwareRenderer
 from snhc.analyzer.face_scene import FaceModel, exact_vertices, load_model, still
-from snhc.reference_impl.face.fap_text import read_fap
+from snhc.reference_impl.face.fap_text import FapFile, read_fap
 from snhc.reference_impl.model.fat import FatDocument, FrameLike, fat_from_json
 from snhc.reference_impl.model.fat_bulk import BulkFat
 from snhc.reference_impl.model.head import feature_vertices, head_poses, load_head
 from snhc.reference_impl.tables import fap_table
+from snhc.vectors.sequences import expressions, speech
 
 PAGE = Path(__file__).parents[2] / "docs" / "head.md"
 ROW = re.compile(r"\| ([0-9, ]+) \| [^|]+ \| (-?\d+) \| (\d+) \| (\d+) \|")
@@ -55,14 +56,20 @@ def normals(points: NDArray[np.floating], faces: NDArray[np.int64]) -> NDArray[n
     return np.cross(corners[..., 1, :] - corners[..., 0, :], corners[..., 2, :] - corners[..., 0, :])
 
 
-def turned_over(frames: Sequence[FrameLike]) -> NDArray[np.bool_]:
-    """Per frame: does a triangle of a mesh but the eyeballs face away from where it faced?"""
+def turned_over(frames: Sequence[FrameLike], lid_edges: bool = True) -> NDArray[np.bool_]:
+    """Per frame: does a triangle of a mesh but the eyeballs face away from where it faced?
+
+    `lid_edges`: also one of the thickness of the lids, which faces up at the corners of a closed eye.
+    """
     document, bulk = resting()
     posed = bulk.evaluate(frames)
     out = np.zeros(len(frames), bool)
+    head = load_head()
+    edges = [n for n, name in enumerate(head["palette"]) if name in ("lash", "lid_edge")]
     for name, mesh in document.meshes.items():
         if not name.endswith("_eye"):
-            before, after = normals(mesh.vertices, mesh.faces), normals(posed[name], mesh.faces)
+            faces = mesh.faces if lid_edges else mesh.faces[~np.isin(head["colors"][name], edges)]
+            before, after = normals(mesh.vertices, faces), normals(posed[name], faces)
             out |= ((before * after).sum(axis=-1) <= 0).any(axis=-1)
     return out
 
@@ -99,6 +106,14 @@ def test_visemes_and_expressions_turn_nothing_over(part: int) -> None:
     poses: list[Mapping[int, int]] = [*visemes.values(), *expressions.values()]
     frames = [still({fap: round(value * part / 63) for fap, value in pose.items()}) for pose in poses]
     assert not turned_over(frames).any()
+
+
+@pytest.mark.parametrize("make", [speech, expressions])
+def test_sequences_turn_nothing_over_but_the_edges_of_closed_lids(make: Callable[..., FapFile]) -> None:
+    text = make(400, 3)
+    frames = [still({n + 1: v for n, v in enumerate(frame.values) if n > 1 and v is not None}) for frame in text.frames]
+    assert not turned_over(frames, lid_edges=False).any()
+    assert 0 < turned_over(frames).mean() < 0.05
 
 
 @pytest.mark.corpus

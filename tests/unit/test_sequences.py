@@ -60,6 +60,15 @@ def test_speech_looks_like_speech() -> None:
     assert max(abs(a - b) for a, b in zip(curves[49], curves[49][1:], strict=False)) < 3_000
 
 
+@pytest.mark.parametrize("make", [speech, expressions])
+@pytest.mark.parametrize("rate", [5, 10, 60])
+def test_a_face_stays_a_face_at_any_rate(make: Callable[..., FapFile], rate: int) -> None:
+    """Springs that are stepped too far would throw brows and head away."""
+    seen = [v for frame in make(8 * rate, 5, rate=rate).frames for n, v in enumerate(frame.values, 1) if v is not None
+            and not 23 <= n <= 26 and not 48 <= n <= 50]  # fmt: skip
+    assert max(map(abs, seen)) < 1200
+
+
 def test_psnr_is_relative_to_each_range() -> None:
     def frames(*rows: tuple[int, int]) -> list[list[int | None]]:
         return [[None, None, *row, *[None] * 64] for row in rows]
