@@ -102,6 +102,7 @@ def make(recipe: Recipe) -> Made:
             else:
                 decoded = source.decode(recipe)
                 _demand(decoded.error is None, f"refused under the reading followed: {decoded.error}")
+                _findings(build.findings, decoded)
                 kind = "ambiguous"
             expect = _accepted(files, f"{base}.ndjson", decoded)
         if isinstance(build, Ambiguous):
@@ -198,10 +199,7 @@ def _accept(recipe: Recipe, build: Accept, source: _Input, tolerance: Tolerance 
         _demand(len(lines) == build.lines, f"{len(lines)} lines, declared {build.lines}")
     for line, part in build.text.items():
         _demand(part in lines[line], f"line {line}: {lines[line]!r} without {part!r}")
-    if build.findings is not None:
-        # Nearly all vectors are bare objects, which is no news.
-        ids = tuple(finding.id for finding in decoded.findings if finding.id != "no-sequence-header")
-        _demand(ids == build.findings, f"findings {ids}, declared {build.findings}")
+    _findings(build.findings, decoded)
     if source.is_document:
         _spelled_out(lines, build.values, build.points, build.states, build.units)
         return _declared(build, decoded, tolerance)
@@ -217,6 +215,13 @@ def _accept(recipe: Recipe, build: Accept, source: _Input, tolerance: Tolerance 
         _demand(f"{numerator}/{denominator}" == time, f"line {line}: {numerator}/{denominator}, declared {time}")
     _written_back(recipe, build, source.data)
     return decoded
+
+
+def _findings(declared: tuple[str, ...] | None, decoded: Decoded) -> None:
+    if declared is not None:
+        # Nearly all vectors are bare objects, which is no news.
+        ids = tuple(finding.id for finding in decoded.findings if finding.id != "no-sequence-header")
+        _demand(ids == declared, f"findings {ids}, declared {declared}")
 
 
 def _written_back(recipe: Recipe, build: Accept, data: bytes) -> None:

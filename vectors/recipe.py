@@ -96,7 +96,8 @@ class Ambiguous:
 
     `stream`: made under the first reading. `amb`: the ambiguity; every reading of the register gets an expectation,
     all of them different. `faults`: the readings under which the stream is refused, with class, rule and place.
-    `values`, `points`: what documents give, by reading, then as in `Accept`.
+    `values`, `points`: what documents give, by reading, then as in `Accept`. `findings`: under the reading followed, as
+    in `Accept`.
     """
 
     stream: Stream
@@ -104,6 +105,7 @@ class Ambiguous:
     faults: Mapping[str, tuple[type[SnhcError], str, Place]] = field(default_factory=dict)
     values: Mapping[str, Mapping[tuple[int, int], int | None]] = field(default_factory=dict)
     points: Mapping[str, Mapping[tuple[int, str], Sequence[Sequence[float]]]] = field(default_factory=dict)
+    findings: tuple[str, ...] | None = None
 
 
 Build = Accept | Reject | Ambiguous
@@ -136,7 +138,8 @@ _ID: Final = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*(\.[a-z0-9]+(-[a-z0-9]+)*)+")
 TOPICS: Final = (
     "examples", "framing", "header", "masks", "ranges", "coder", "values", "highlevel", "bodies", "systems", "errors",
     "truncation", "ambiguity", "mesh", "mesh_motion", "mesh_framing", "mesh_errors", "dct", "dct_errors",
-    "dct_coefficients", "fit", "fit_errors", "fat", "fat_errors", "fapu", "real", "profiles",
+    "dct_coefficients", "fit", "fit_errors", "fat", "fat_errors", "fapu", "real", "profiles", "mistakes",
+    "mesh_mistakes", "table_mistakes",
 )  # fmt: skip
 
 T = TypeVar("T")

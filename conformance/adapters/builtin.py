@@ -14,10 +14,22 @@ from pathlib import Path
 from typing import Self
 
 from snhc.reference_impl.syntax.element import Readings
-from snhc.vectors.decoding import decode_input
+from snhc.vectors.decoding import Decoded, decode_input
 from snhc.vectors.manifest import Entry
 
 from .base import REJECTED, Outcome
+
+
+def outcome_of(decoded: Decoded, seconds: float = 0.0, readings: Mapping[str, str] | None = None) -> Outcome:
+    """What the reference decoder made of an input, as an adapter's outcome. Rules: CNF-9, CNF-19, CNF-24."""
+    error = decoded.error
+    return Outcome(
+        0 if error is None else REJECTED,
+        decoded.text.encode(),
+        b"" if error is None else json.dumps(error.as_json()).encode() + b"\n",
+        seconds=seconds,
+        readings=readings or {},
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +54,7 @@ class BuiltIn:
             decoded = decode_input(entry.media, path.read_bytes(), second, entry.options.for_decoder(chosen))
         except Exception:  # noqa: BLE001 (a bug of the reference decoder is a result, like any other decoder's crash)
             return Outcome(None, stderr=traceback.format_exc().encode(), detail="internal error")
-        error = decoded.error
-        return Outcome(
-            0 if error is None else REJECTED,
-            decoded.text.encode(),
-            b"" if error is None else json.dumps(error.as_json()).encode() + b"\n",
-            seconds=time.monotonic() - started,
-            readings=self.readings,
-        )
+        return outcome_of(decoded, time.monotonic() - started, self.readings)
 
     def timed(self, seconds: float) -> Self:
         """Itself: it runs in this process, and nothing can stop it."""

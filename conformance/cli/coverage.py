@@ -16,7 +16,7 @@ from .common import Common, Output, common_options, format_of
 if TYPE_CHECKING:
     from snhc.vectors.coverage.book import Book
 
-_FORMATS: Final = {".json": "json", ".txt": "terminal"}
+_FORMATS: Final = {".json": "json", ".txt": "terminal", ".html": "html", ".md": "markdown"}
 _FILE: Final = click.Path(dir_okay=False, path_type=Path)
 _FOLDER: Final = click.Path(file_okay=False, path_type=Path)
 
@@ -30,9 +30,13 @@ _FOLDER: Final = click.Path(file_okay=False, path_type=Path)
 @click.option("--cell", default="", metavar="TEXT", help="Only cells with this text in their name.")
 @click.option("--holes", is_flag=True, help="Only cells that no vector reaches.")
 @click.option(
-    "--format", "given", type=click.Choice(["terminal", "json"]),
-    help="Form of the output; from the file name of -o if not given, else terminal.",
+    "--format", "given", type=click.Choice(["terminal", "json", "html", "markdown"]),
+    help="Form of the output; from the file name of -o if not given, else terminal. html, markdown: with --mutants.",
 )  # fmt: skip
+@click.option("--mutants", is_flag=True, help="The kill matrix: which mistakes of a decoder which vectors show.")
+@click.option("--mutant", multiple=True, metavar="GLOB", help="Only mutants with such ids. Repeatable, with --mutants.")
+@click.option("--matrix", type=_FILE, metavar="FILE", help="The matrix; the one of this installation if not given.")
+@click.option("-j", "--jobs", type=click.IntRange(min=1), default=2, show_default=True, help="Processes of --mutants.")
 @click.option("--book", type=_FILE, metavar="FILE", help="The book; the one of this installation if not given.")
 @click.option(
     "--suite", type=_FOLDER, metavar="DIR", help="The suite to run; the one of this installation if not given."
@@ -45,6 +49,10 @@ def command(
     cell: str,
     holes: bool,
     given: str | None,
+    mutants: bool,
+    mutant: tuple[str, ...],
+    matrix: Path | None,
+    jobs: int,
     book: Path | None,
     suite: Path | None,
     common: Common,
@@ -53,11 +61,21 @@ def command(
 
     Without filters: the shares of all kinds of cells and all areas of rules. With them: the cells and their vectors.
     The book is part of the installation; --check and --update run the suite and need the extra snhc[test].
+
+    With --mutants: the kill matrix instead of the book. --check runs every mutant and exits with 1 where one survives
+    without a reason or a vector no longer shows it; --update writes the matrix anew, with --mutant only those lines.
     """
     if check and update:
         raise click.UsageError("--check and --update do not go together")
     if (check or update) and (rule or cell or holes or given):
         raise click.UsageError("--check and --update are of the whole book: no filters, no format")
+    if mutants:
+        if book is not None or suite is not None:
+            raise click.UsageError("--book and --suite are of the book, not of --mutants")
+        _mutants(check, update, given, mutant, matrix, jobs, common)
+        return
+    if mutant or matrix is not None:
+        raise click.UsageError("--mutant and --matrix go with --mutants")
     if check or update:
         good, lines = _check(book, suite) if check else _update(book, suite)
         with Output(common.output, common.keep_partial) as out:
@@ -70,6 +88,8 @@ def command(
     from snhc.vectors.coverage import book as books
 
     style = format_of(given, common.output, _FORMATS, "terminal")
+    if style not in ("terminal", "json"):
+        raise click.UsageError(f"{style} is a form of --mutants")
     filtered = bool(rule or cell or holes)
     shown = books.load_book(book or books.BOOK_FILE)
     if filtered:
@@ -78,6 +98,31 @@ def command(
             raise click.UsageError("no cell fits")
     with Output(common.output, common.keep_partial) as out:
         for text in _texts(shown, style, filtered):
+            out.write(text)
+
+
+def _mutants(
+    check: bool,
+    update: bool,
+    given: str | None,
+    only: tuple[str, ...],
+    matrix: Path | None,
+    jobs: int,
+    common: Common,
+) -> None:
+    from . import coverage_mutants as of_mutants
+
+    if check or update:
+        run = of_mutants.check if check else of_mutants.update
+        good, lines = run(common, matrix, only, jobs)
+        with Output(common.output, common.keep_partial) as out:
+            out.write("".join(f"{line}\n" for line in lines))
+        if not good:
+            raise click.exceptions.Exit(1)
+        return
+    style = format_of(given, common.output, _FORMATS, "terminal")
+    with Output(common.output, common.keep_partial) as out:
+        for text in of_mutants.texts(matrix, style, only):
             out.write(text)
 
 

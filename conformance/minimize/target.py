@@ -103,8 +103,6 @@ def _content(data: bytes, options: DecodeOptions) -> tuple[str, tuple[str, ...]]
             faps = getattr(plane, "faps", None)
             if faps is not None and faps.segment is not None:
                 tools["dct-p1"] = None
-            if getattr(plane, "baps", None) is not None:
-                tools["bap"] = None
     except SnhcError:
         pass
     return ("m2d", ("mesh",)) if kinds == ["mesh"] else ("fba", ("fba", *tools))

@@ -4,8 +4,7 @@ Rules: CNF-20. Files of the suite travel with the cases by content, and are held
 arrive: workers need this package of the same version, and what an adapter's command names, but no shared folders.
 
 A worker may die: its cases are done again by others. A result counts by decoder and vector, so that none is lost and
-none counts twice. A case whose workers die time and again is run once more with no other beside it; if that kills its
-workers too it is a crash.
+none counts twice. A case that outlives no worker is a crash.
 """
 
 from __future__ import annotations
@@ -13,12 +12,10 @@ from __future__ import annotations
 import contextlib
 import shutil
 import tempfile
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
-from uuid import uuid4
 
 from snhc.conformance.results import Result
 from snhc.reference_impl.bitstream.errors import InputFormat
@@ -52,39 +49,39 @@ def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path |
     except (OSError, ValueError) as error:
         raise OSError(None, f"no Dask scheduler answers: {error}", address) from error
     with contextlib.closing(client):
-        try:
-            client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-        except TimeoutError as error:
-            raise OSError(None, "the scheduler has no workers", address) from error
-        rest = deque(cases)
-        suspects: list[Case] = []
+        version = _version()
+        rest = iter(cases)
         flight: dict[str, Case] = {}
         pending = as_completed([], loop=client.loop)
-        while rest or flight or suspects:
+
+        def more() -> None:
             threads = max(1, sum(client.nthreads().values()))
-            # Suspects go alone, when all else is done: then it is clear who kills workers.
-            alone = not rest and not flight
-            while (rest and len(flight) < AHEAD * threads) or (alone and suspects and not flight):
-                case = rest.popleft() if rest else suspects.pop()
+            while len(flight) < AHEAD * threads and (case := next(rest, None)) is not None:
+                key = f"snhc-{len(submitted)}-{case.entry.id}"
                 future = client.submit(
-                    _on_worker, case, _files(case.entry, suite), str(suite), str(traces or ""), _version(),
-                    key=f"snhc-{uuid4().hex}-{case.entry.id}", pure=False,
+                    _on_worker, case, _files(case.entry, suite), str(suite), str(traces or ""), version, key=key,
+                    pure=False,
                 )  # fmt: skip
+                submitted.append(key)
                 flight[future.key] = case
                 pending.add(future)
+
+        submitted: list[str] = []
+        more()
+        while flight:
             future = next(pending)
             case = flight.pop(future.key)
-            try:
+            fault = future.exception()
+            if fault is None:
                 result = future.result()
-            except KilledWorker:
-                if not alone:
-                    suspects.append(case)
-                    continue
+            elif isinstance(fault, KilledWorker):
                 result = broken_case(case, suite, "each worker that ran it died")
-            finally:
-                future.release()
+            else:
+                raise fault
+            future.release()
             assert isinstance(result, Result)
             yield result
+            more()
 
 
 def _version() -> str:

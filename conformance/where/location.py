@@ -73,7 +73,6 @@ _CARRIERS = {
     "order": ("nr_of_boundary_nodes", "mesh_type_code"),
 }
 
-_HIGH_LEVEL = frozenset({"viseme", "expression"})
 # Elements that stand once per node, below its number.
 _OF_NODES = frozenset({"delta_mv_x_vlc", "node_motion_vector_flag", "node0_x", "delta_x_len_vlc"})
 
@@ -113,8 +112,7 @@ def find(entry: Entry, suite: Path, difference: Difference, *, fap_frames: bool 
             if fap_frames and isinstance(plane, FbaPlane) and plane.faps is None:
                 lines = 0
             if frame <= difference.frame < frame + lines:
-                bits = (plane.start, plane.end)
-                location, row = _in_part(part, number, bits, difference, difference.frame - frame)
+                location, row = _in_part(part, number, (plane.start, plane.end), difference)
                 return Hit(location, part, row, before, next(parts, None))
             frame += lines
             number += 1
@@ -152,13 +150,10 @@ def _row_location(part: TracePart, row: int, number: int) -> Location | None:
     )  # fmt: skip
 
 
-def _in_part(
-    part: TracePart, number: int, bits: tuple[int, int], difference: Difference, instant: int
-) -> tuple[Location, int]:
-    """`instant`: of the frame in a DCT segment, from 0."""
+def _in_part(part: TracePart, number: int, bits: tuple[int, int], difference: Difference) -> tuple[Location, int]:
     trace = part.trace
     field, node = _field(difference.what)
-    for name in (*_CARRIERS.get(field, ()), *_high_level(difference.what)):
+    for name in _CARRIERS.get(field, ()):
         rows = [row for row in range(len(trace)) if trace.el(row).name == name]
         for row in rows:
             if field == "nodes" and name in _OF_NODES and not trace.path_text(row).endswith(f"node[{node}]"):
@@ -166,8 +161,6 @@ def _in_part(
             if name.startswith("dc") and not trace.path_text(row).endswith(f".fap[{difference.fap}]"):
                 continue
             segment = trace.segments.get(row)
-            if segment is None and field in _HIGH_LEVEL and not trace.path_text(row).endswith(f"instant[{instant}]"):
-                continue
             if name == "fap_segment" and segment is not None and not _carries(segment[1], difference.fap):
                 continue
             if (
@@ -180,15 +173,6 @@ def _in_part(
             span = (trace.start[row], trace.end[row])
             return Location(number, bits, name, trace.path_text(row), span, el.rule), row
     return Location(number, bits), -1
-
-
-def _high_level(what: str) -> tuple[str, ...]:
-    """The elements of a DCT segment that carry a field of FAP 1 or 2."""
-    field, _, key = what.partition(".")
-    if field not in _HIGH_LEVEL:
-        return ()
-    name = key if key == "init_face" else f"{field}_{key or 'select1'}"
-    return name, f"{name}_difference"
 
 
 def _field(what: str) -> tuple[str, int]:

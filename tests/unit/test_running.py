@@ -122,21 +122,6 @@ def test_a_vector_that_kills_its_worker_is_a_crash_and_nothing_else_is_lost() ->
     }
 
 
-def test_where_no_process_can_be_started_nothing_is_blamed_on_the_decoder() -> None:
-    # What is read from standard input cannot be imported again by a worker.
-    program = (
-        "from snhc.conformance.adapters import BuiltIn\n"
-        "from snhc.conformance.running.case import Case\n"
-        "from snhc.conformance.running.local import run_local\n"
-        "from snhc.vectors.manifest import SUITE, load\n"
-        "entries = [e for e in load(check_schema=False).entries if e.id.startswith('fap.arith.example')]\n"
-        "cases = [Case(BuiltIn(), e) for e in entries]\n"
-        "print(sorted(r.status for r in run_local(cases, SUITE, 2, few=0)))\n"
-    )
-    done = subprocess.run([sys.executable, "-"], input=program, capture_output=True, text=True, check=True, timeout=60)
-    assert done.stdout.strip() == str(["pass"] * 4)
-
-
 def test_progress_counts_every_case() -> None:
     seen: list[Progress] = []
     report = run(MANIFEST, [BuiltIn()], select=selector(FEW), progress=seen.append)

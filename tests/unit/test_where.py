@@ -145,12 +145,6 @@ def test_a_dct_coefficient_is_found() -> None:
     assert result.difference is not None and result.location.path.endswith(f".fap[{result.difference.fap}]")
 
 
-def test_the_element_of_an_instant_of_a_segment_is_found() -> None:
-    result = result_of("fap.dct.viseme", add(5, "viseme", "blend"))
-    assert result.location is not None
-    assert result.location.element.startswith("viseme_blend") and result.location.path.endswith("instant[5]")
-
-
 def _first_value(frames: list[dict[str, Any]], by: int) -> None:
     faps = frames[1]["faps"]
     faps[next(i for i, value in enumerate(faps) if value is not None)] += by

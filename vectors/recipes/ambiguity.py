@@ -145,4 +145,4 @@ def trailing_zeros() -> Ambiguous:
     item = face_object([intra({3: 5})], end=ZERO_PADDING)
     assert item.fba is not None
     item.fba.padding = 64 - used % 8
-    return Ambiguous([item], "AMB-FBA-9")
+    return Ambiguous([item], "AMB-FBA-9", findings=("zero-padding", "no-end-code"))
