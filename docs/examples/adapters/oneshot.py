@@ -8,10 +8,12 @@ try:
     with open(sys.argv[1], "rb") as file:
         print('{"format":"snhc-decoded","version":1,"kind":"fba"}')
         for index, plane in enumerate(mydecoder.planes(file.read())):
+            time = f"{plane.time.numerator}/{plane.time.denominator}"
             print(json.dumps({
-                "index": index, "time": f"{plane.time.numerator}/{plane.time.denominator}", "intra": plane.intra,
-                "faps": plane.faps, "viseme": plane.viseme, "expression": plane.expression, "state": plane.state,
+                "index": index, "time": time, "intra": plane.intra, "faps": plane.faps,
+                "viseme": plane.viseme, "expression": plane.expression, "state": plane.state,
             }))
 except mydecoder.BadStream as error:
-    print(json.dumps({"class": error.kind, "bits": [error.first, error.end]}), file=sys.stderr)
+    said = {"class": error.kind, "bits": [error.first, error.end]}
+    print(json.dumps(said), file=sys.stderr)
     sys.exit(1)

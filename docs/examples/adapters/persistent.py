@@ -10,12 +10,14 @@ def decode(question):
     try:
         with open(question["input"], "rb") as file:
             for index, plane in enumerate(mydecoder.planes(file.read())):
+                time = f"{plane.time.numerator}/{plane.time.denominator}"
                 lines.append(json.dumps({
-                    "index": index, "time": f"{plane.time.numerator}/{plane.time.denominator}", "intra": plane.intra,
-                    "faps": plane.faps, "viseme": plane.viseme, "expression": plane.expression, "state": plane.state,
+                    "index": index, "time": time, "intra": plane.intra, "faps": plane.faps,
+                    "viseme": plane.viseme, "expression": plane.expression, "state": plane.state,
                 }))
     except mydecoder.BadStream as error:
-        return {"status": "rejected", "error": {"class": error.kind, "bits": [error.first, error.end]}}
+        said = {"class": error.kind, "bits": [error.first, error.end]}
+        return {"status": "rejected", "error": said}
     return {"status": "accepted", "output": "\n".join(lines) + "\n"}
 
 
