@@ -23,6 +23,7 @@ from ..parts import Part, path_names
 from .packing import packed
 
 # What a browser holds with ease. More is looked at by planes.
+MOST_BYTES: Final = 32 << 20
 MOST_ROWS: Final = 2_000_000
 MOST_SYMBOLS: Final = 4_000_000
 _KINDS: Final = (
@@ -80,6 +81,8 @@ class Rows:
         trace = part.trace
         if len(self) + len(trace) > MOST_ROWS:
             raise too_large("elements", MOST_ROWS)
+        if len(trace) and trace.end[-1] - trace.start[0] > 8 * MOST_BYTES:
+            raise too_large("bytes", MOST_BYTES)
         texts: dict[int, int] = {}
         # The plane is known from the part, but for one that a fault cut short.
         above = 1 if part.plane is not None or part.closes else 0
@@ -139,7 +142,10 @@ class Rows:
             }
             for index in self._elements
         ]
-        symbols: dict[str, object] = {"level": packed("i", self.level), "shifts": packed("B", self.shifts)}
+        symbols: dict[str, object] = {
+            "level": packed(narrowest(self.level), self.level),
+            "shifts": packed("B", self.shifts),
+        }
         if self._with_symbols:
             symbols |= {name: packed("H", column) for name, column in self.details.items()}
             symbols["flags"] = packed("B", self.symbol_flags)
@@ -216,6 +222,11 @@ class PartColumns:
             },
             "findings": self.findings,
         }
+
+
+def narrowest(numbers: array[int]) -> str:
+    """The type of a column of signed numbers. Rules: CNF-25."""
+    return "h" if not numbers or (min(numbers) >= -(1 << 15) and max(numbers) < 1 << 15) else "i"
 
 
 def mask_of(plane: AnyPlane | None) -> int:

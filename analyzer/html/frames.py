@@ -56,7 +56,9 @@ class FaceFrames:
 
 
 def _column(values: Sequence[int | None]) -> str:
-    return packed("i", [UNSET if value is None else value for value in values])
+    numbers = [UNSET if value is None else value for value in values]
+    # A DCT segment can give more than any FAP can mean.
+    return packed("i" if all(abs(number) <= -UNSET for number in numbers) and max(numbers) < -UNSET else "d", numbers)
 
 
 def _rows(values: Sequence[Sequence[int] | None], width: int) -> str | None:
@@ -70,7 +72,8 @@ class MeshFrames:
 
     def __init__(self) -> None:
         self._time = array("d")
-        self._nodes = array("h")
+        # Motion may carry a node beyond 16 bits.
+        self._nodes = array("i")
         self._first = array("I", [0])
         self._geometry = array("i")
         self._meshes: list[dict[str, object]] = []
@@ -95,7 +98,7 @@ class MeshFrames:
         """Times, node positions in half pixels, and per frame the number of its triangles. Rules: CNF-1."""
         return {
             "time": packed("d", self._time),
-            "nodes": packed("h", self._nodes),
+            "nodes": packed("i", self._nodes),
             "first": packed("I", self._first),
             "geometry": packed("i", self._geometry),
             "meshes": self._meshes,

@@ -21,12 +21,11 @@ from snhc.reference_impl.systems.stream import Options
 from snhc.reference_impl.tables import fap_groups, fap_table
 
 from ..parts import Parts
-from .columns import PartColumns, Rows, too_large
+from .columns import MOST_BYTES, PartColumns, Rows, too_large
 from .frames import FaceFrames, MeshFrames
 from .head import head_data
 
 VERSION: Final = 1
-MOST_BYTES: Final = 32 << 20
 _FOLDER: Final = Path(__file__).parent
 SCRIPTS: Final = (
     "base.js", "data.js", "listing.js", "tree.js", "hexview.js", "planes.js", "details.js", "curves.js", "meshview.js",

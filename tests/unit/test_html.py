@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from snhc.analyzer.html import columns, page
+from snhc.analyzer.html import columns, frames, page
 from snhc.analyzer.html.packing import packed
 from snhc.analyzer.html.page import SCRIPTS, dump_html
 from snhc.analyzer.parts import Parts, Selection
@@ -129,6 +129,19 @@ def test_a_stream_too_large_for_a_page_is_refused(what: str, most: int, monkeypa
     monkeypatch.setattr(page, "MOST_BYTES", 10)
     with pytest.raises(ResourceLimit, match="--planes"):
         page_of(WORKED)
+
+
+def test_padding_of_any_length_is_refused_and_not_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(columns, "MOST_BYTES", 1000)
+    padded = WORKED[:37] + bytes([WORKED[37] & 0xFC]) + bytes(2000)
+    with pytest.raises(ResourceLimit, match="bytes of the page"):
+        page_of(padded)
+
+
+def test_values_of_any_size_fit_a_column() -> None:
+    assert frames._column([1, None, -5])[0] == "i"
+    huge = frames._column([1 << 40, None])
+    assert (huge[0], list(unpacked(huge))) == ("d", [float(1 << 40), float(frames.UNSET)])
 
 
 def test_columns_are_little_endian() -> None:
