@@ -59,6 +59,7 @@ def run(
     ledger: Ledger | None = None,
     today: date | None = None,
     traces: Path | None = None,
+    words: str = "",
     progress: Callable[[Progress], None] | None = None,
 ) -> Report:
     """Run decoders over the selected vectors; results stand in the order of the adapters and the manifest.
@@ -66,7 +67,7 @@ def run(
     Rules: CNF-15, CNF-20. `shard`: only this part of the selection. `cluster`: address of a Dask scheduler, instead of
     `jobs` at the same time here. `journal`: a file that keeps the results as they come, and is gone when all are there;
     `resume`: those that stand in it are not run again. `ledger`: known failures, as of `today`. `traces`: a folder with
-    the decoders' own traces, `VECTOR.json` or `ADAPTER/VECTOR.json`.
+    the decoders' own traces, `VECTOR.json` or `ADAPTER/VECTOR.json`. `words`: as in `Case`.
 
     Raises InputFormat for a suite whose files are not those of its manifest, for two adapters of one name, and for the
     journal of another run.
@@ -82,7 +83,7 @@ def run(
         entries = shard.of(entries)
     verify(entries, suite)
     digest = _digest(manifest, suite)
-    cases = [Case(adapter, entry) for adapter in adapters for entry in entries]
+    cases = [Case(adapter, entry, words) for adapter in adapters for entry in entries]
     kept: Journal | None = None
     if journal is not None:
         run_id = identity(

@@ -70,8 +70,15 @@ def command(
     from snhc.conformance.minimize import Budget, Target, minimize
 
     decoder = kinds.find(adapter)
+    if common.dct_tables is not None:
+        raise click.UsageError("--dct-tables: decoders are held against the shipped tables")
+    extra = ""
     if timeout is not None:
         decoder = decoder.timed(timeout)
+        extra += f" --timeout {timeout:g}"
+    if common.readings.chosen:
+        decoder = decoder.following(common.readings.chosen)
+        extra += "".join(f" --reading {id}={key}" for id, key in common.readings.chosen.items())
     subject = _subject(vector, aux, suite, object_number, common)
     try:
         with tempfile.TemporaryDirectory(prefix="snhc-minimize-") as name:
@@ -91,7 +98,7 @@ def command(
                     Budget(runs, seconds or None),
                     None if bar is None else lambda n, _: bar(n),
                 )
-            _tell(found, subject, decoder, adapter, vector, folder, common)
+            _tell(found, subject, decoder, shlex.quote(adapter) + extra, vector, folder, common)
     finally:
         decoder.close()
 
@@ -150,7 +157,7 @@ def _tell(
         lines.append(f"  where: {evidence.location}")
     if not to_stdout:
         quoted = " ".join([shlex.quote(words[0]), *words[1:]])
-        lines.append(f"  again: snhc minimize {shlex.quote(adapter)} {quoted} --check")
+        lines.append(f"  again: snhc minimize {adapter} {quoted} --check")
         lines.append(f"  input: {place}")
     for line in lines:
         click.echo(printable(line), err=to_stdout)

@@ -139,11 +139,13 @@ def command(
         raise click.BadParameter(error.message, param_hint="--filter") from error
     decoders: list[Adapter] = [kinds.find(word) for word in adapter]
     decoders += [kinds.from_command(text, format=adapter_format) for text in adapter_command]
+    words = [f"--timeout {timeout:g}"] if timeout is not None else []
     if timeout is not None:
         decoders = [one.timed(timeout) for one in decoders]
     decoders = decoders or [kinds.BuiltIn()]
     if common.readings.chosen:
         decoders = [one.following(common.readings.chosen) for one in decoders]
+        words += [f"--reading {id}={key}" for id, key in common.readings.chosen.items()]
     folder = suite if suite is not None else SUITE
     known = ledgers.load(ledger) if ledger is not None else None
     journal = resume if resume is not None else _journal(common.output)
@@ -153,7 +155,7 @@ def command(
             report = run(
                 load(folder), decoders, suite=folder, select=select, filter=expression, jobs=jobs,
                 shard=shard, cluster=cluster, journal=journal, resume=resume is not None, ledger=known, traces=traces,
-                progress=shown,
+                words=" ".join(words), progress=shown,
             )  # fmt: skip
         except KeyboardInterrupt:
             if journal is not None:

@@ -18,10 +18,14 @@ from snhc.vectors.manifest import SUITE, Entry
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A decoder and a vector. Rules: CNF-15. It can be pickled, if the adapter can."""
+    """A decoder and a vector. Rules: CNF-15. It can be pickled, if the adapter can.
+
+    `words`: what else of the command line the decoder was told, for the command that does it again.
+    """
 
     adapter: Adapter
     entry: Entry
+    words: str = ""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -57,15 +61,13 @@ def _result(case: Case, verdict: Verdict, seconds: float, found: Findings, suite
     return Result(
         case.adapter.name, entry.id, entry.title, entry.tier, entry.kind, entry.file, entry.tools, entry.rules,
         verdict.status, verdict.reason, verdict.reading, seconds, verdict.difference, found.location,
-        reproduce(case.adapter, entry.id, suite), found.expected, found.got, found.evidence,
+        reproduce(case, suite), found.expected, found.got, found.evidence,
     )  # fmt: skip
 
 
-def reproduce(adapter: Adapter, vector: str, suite: Path) -> str:
+def reproduce(case: Case, suite: Path) -> str:
     """The command that runs one vector again. Rules: CNF-17."""
-    words = ["snhc run"]
-    if adapter.reproduce:
-        words.append(adapter.reproduce)
+    words = ["snhc run", *filter(None, (case.adapter.reproduce, case.words))]
     if suite != SUITE:
         words.append(f"--suite {shlex.quote(str(suite))}")
-    return " ".join([*words, f"--filter {vector}"])
+    return " ".join([*words, f"--filter {case.entry.id}"])

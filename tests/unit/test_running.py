@@ -252,7 +252,7 @@ def _snhc(*words: str) -> subprocess.Popen[bytes]:
 
 
 def _wait_for_lines(path: Path, count: int) -> None:
-    for _ in range(600):
+    for _ in range(3000):
         if path.exists() and path.read_bytes().count(b"\n") >= count:
             return
         time.sleep(0.02)

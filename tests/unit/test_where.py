@@ -256,11 +256,12 @@ def test_the_command_that_shows_it_again_does(tmp_path: Path) -> None:
     adapter.write_text(f'name = "dec"\ncommand = ["{sys.executable}", "{harness}", "{{input}}"]\n')
     report = tmp_path / "r.json"
     run = [sys.executable, "-m", "snhc.conformance.cli"]
-    words = ["run", str(adapter), "--filter", "fap.arith.example.*", "-o", str(report)]
+    words = ["run", str(adapter), "--filter", "fap.arith.example.*", "-o", str(report), "--timeout", "20"]
+    words += ["--reading", "AMB-FBA-6=before"]
     assert subprocess.run([*run, *words], check=False).returncode == 1
     failing = [r for r in json.loads(report.read_text())["results"] if r["status"] == "fail"][1]
     program, *again = shlex.split(failing["reproduce"])
-    assert program == "snhc"
+    assert program == "snhc" and "--timeout 20 --reading AMB-FBA-6=before" in failing["reproduce"]
     done = subprocess.run([*run, *again], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and failing["vector"] in done.stdout and failing["reason"] in done.stdout
     assert "1 fail" in done.stdout
