@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -186,3 +187,38 @@ def test_colour_on_a_terminal_unless_told_otherwise() -> None:
         os.close(ours)
         assert (b"\x1b[" in shown) is coloured
         assert b"plane[0]" in shown
+
+
+def test_a_tree_on_a_terminal_goes_through_the_pager() -> None:
+    """Every line comes through it, colours too; fault and exit code stand behind it; --no-pager does without."""
+    pty = pytest.importorskip("pty")
+
+    def on_a_terminal(*args: str) -> tuple[int, bytes]:
+        ours, theirs = pty.openpty()
+        with tempfile.NamedTemporaryFile(suffix=".fba") as file:
+            file.write(WORKED[:30])
+            file.flush()
+            process = subprocess.Popen(
+                command("dump", file.name, *args), stdin=theirs, stdout=theirs, stderr=theirs,
+                env={**os.environ, "TERM": "xterm", "PAGER": "sed s/^/PAGED/"},
+            )  # fmt: skip
+            os.close(theirs)
+            seen = b""
+            while True:
+                try:
+                    piece = os.read(ours, 1 << 16)
+                except OSError:  # Linux says so when the other side is closed
+                    break
+                if not piece:
+                    break
+                seen += piece
+            os.close(ours)
+            return process.wait(), seen
+
+    code, seen = on_a_terminal()
+    assert code == 4
+    assert seen.count(b"PAGED") > 20
+    assert b"PAGED\x1b[2mbits " in seen
+    assert b"\nsnhc: Truncated: " in seen
+    code, seen = on_a_terminal("--no-pager")
+    assert (code, seen.count(b"PAGED")) == (4, 0)
