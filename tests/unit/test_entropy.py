@@ -13,6 +13,7 @@ from plain_coder import PlainModel, decode, encode, encode_data_bits, guarded
 from strategies import STYLES, level_in
 
 from snhc.reference_impl.bitstream.cursor import BitCursor, OutOfBits
+from snhc.reference_impl.bitstream.errors import EncodeError
 from snhc.reference_impl.bitstream.sink import BitSink
 from snhc.reference_impl.entropy.kernel import decode_segment, encode_segment, segment_code, write_guarded
 from snhc.reference_impl.entropy.literal import decode_literally
@@ -258,3 +259,22 @@ def test_rescale(n: int, style: str) -> None:
         assert ours.freq == reader.freq == plain.frequencies
         assert ours.total == reader.total == sum(plain.frequencies)
     assert plain.halvings == 1
+
+
+@pytest.mark.parametrize("tail", range(-3, 4))
+def test_a_tail_is_written_where_it_decodes_and_refused_where_it_does_not(tail: int) -> None:
+    """What an encoder cannot write back is an EncodeError, never another segment."""
+    refused = 0
+    for n in (2, 3, 5, 9, 61):
+        for level in range(n):
+            sink = BitSink()
+            try:
+                encode_segment(sink, [Model(0, n - 1, False)], [level], tail)
+            except EncodeError:
+                refused += 1
+                continue
+            cursor = BitCursor.of(sink.getvalue() + bytes(4))
+            assert decode_segment(cursor, [Model(0, n - 1, False)]) == ([level], -1, tail)
+            assert cursor.tell() == sink.tell()
+    # The quarter beside the one that an encoder takes is always free here; further ones are not always.
+    assert bool(refused) == (abs(tail) > 1)
