@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from random import Random
+from time import process_time
 from typing import Any
 
 import pytest
@@ -116,17 +117,22 @@ def test_trace_a_million_elements(benchmark: Benchmark) -> None:
     """Fields and levels into columns, no symbol shown: at most 5 s, also interpreted."""
     data = small_residuals(15_000)
 
+    seconds: list[float] = []
+
     def run() -> int:
-        return sum(
+        began = process_time()
+        count = sum(
             len(part.trace) + sum(len(segment.levels) for segment, _ in part.trace.segments.values())
             for part in trace_stream(data, symbols=False)
         )
+        seconds.append(process_time() - began)
+        return count
 
     elements = benchmark.pedantic(run, rounds=3)
     benchmark.extra_info["elements"] = elements
     assert elements > 1_000_000
-    # Without --benchmark-only nothing is timed.
-    assert benchmark.stats is None or benchmark.stats.stats.min < 5
+    # Of the processor, not of the clock: others may be at work.
+    assert min(seconds) < 5
 
 
 def test_trace_of_headers(benchmark: Benchmark) -> None:
