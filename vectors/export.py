@@ -146,7 +146,7 @@ def archive(files: dict[str, bytes], top: str) -> bytes:
 
 def _tar(files: dict[str, bytes], top: str) -> bytes:
     out = BytesIO()
-    with tarfile.open(fileobj=out, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+    with tarfile.open(fileobj=out, mode="w", format=tarfile.PAX_FORMAT) as tar:
         for name in _folders(top, files):
             folder = tarfile.TarInfo(name)
             folder.type, folder.mode = tarfile.DIRTYPE, 0o755

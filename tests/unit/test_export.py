@@ -172,3 +172,9 @@ def test_options_exclude_each_other() -> None:
 
 def test_export_reads_the_suite_on_disk(folder: Path) -> None:
     assert (folder / MANIFEST_NAME).read_bytes() == (SUITE / MANIFEST_NAME).read_bytes()
+
+
+def test_long_names_are_archived_too() -> None:
+    name = f"{'f' * 90}/{'n' * 140}.ndjson"
+    with tarfile.open(fileobj=io.BytesIO(gzip.decompress(archive({name: b"x"}, "top")))) as tar:
+        assert tar.getnames() == ["top", f"top/{'f' * 90}", f"top/{name}"]
