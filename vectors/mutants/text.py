@@ -26,16 +26,7 @@ WAYS: Final = {
 
 def summary_lines(matrix: Matrix) -> Iterator[str]:
     """Counts by topic, what is only told apart, what survives, and which vectors would be enough. Rules: CNF-8."""
-    killed = [line for line in matrix.lines if line.killed]
-    yield f"kill matrix of suite {matrix.suite}: {len(matrix.lines)} mutants, {len(matrix.vectors)} vectors"
-    if not matrix.complete:
-        yield "each mutant only up to its first killer"
-    yield ""
-    yield f"{'mutants of':<34} {'all':>5} {'killed':>7} {'told apart':>11} {'survive':>8}"
-    for topic in dict.fromkeys(line.topic for line in matrix.lines):
-        lines = [line for line in matrix.lines if line.topic == topic]
-        yield _counts(TOPIC_NAMES.get(topic, topic), lines)
-    yield _counts("all", matrix.lines)
+    yield from _count_lines(matrix)
     told = [line for line in matrix.lines if line.kills and not line.killed]
     if told:
         yield ""
@@ -55,12 +46,26 @@ def summary_lines(matrix: Matrix) -> Iterator[str]:
             yield f"  {line.id}: {line.first}"
     if matrix.complete:
         yield ""
-        alone = matrix.alone()
-        idle = [vector for vector, mutants in matrix.columns().items() if not mutants]
-        yield f"{len(matrix.enough())} vectors are enough for all {len(killed) + len(told)}"
-        yield f"{len(alone)} vectors are the only ones that show some mutant"
-        redundant = len(matrix.redundant())
-        yield f"{redundant} vectors show none that others do not show too, {len(idle)} of them none at all"
+        yield from _vector_lines(matrix)
+
+
+def _count_lines(matrix: Matrix) -> Iterator[str]:
+    yield f"kill matrix of suite {matrix.suite}: {len(matrix.lines)} mutants, {len(matrix.vectors)} vectors"
+    if not matrix.complete:
+        yield "each mutant only up to its first killer"
+    yield ""
+    yield f"{'mutants of':<34} {'all':>5} {'killed':>7} {'told apart':>11} {'survive':>8}"
+    for topic in dict.fromkeys(line.topic for line in matrix.lines):
+        lines = [line for line in matrix.lines if line.topic == topic]
+        yield _counts(TOPIC_NAMES.get(topic, topic), lines)
+    yield _counts("all", matrix.lines)
+
+
+def _vector_lines(matrix: Matrix) -> Iterator[str]:
+    idle = [vector for vector, mutants in matrix.columns().items() if not mutants]
+    yield f"{len(matrix.enough())} vectors are enough for all {len(matrix.lines) - len(matrix.survivors)}"
+    yield f"{len(matrix.alone())} vectors are the only ones that show some mutant"
+    yield f"{len(matrix.redundant())} vectors show none that others do not show too, {len(idle)} of them none at all"
 
 
 def mutant_lines(matrix: Matrix) -> Iterator[str]:
@@ -83,8 +88,17 @@ def killers_of(line: Line) -> str:
 def markdown_lines(matrix: Matrix) -> Iterator[str]:
     """The tables of the documentation. Rules: CNF-8."""
     yield "```text"
-    yield from summary_lines(matrix)
+    yield from _count_lines(matrix)
+    yield ""
+    yield from _vector_lines(matrix)
     yield "```"
+    yield ""
+    yield "### Told apart, and survivors"
+    yield ""
+    for line in matrix.lines:
+        if not line.killed:
+            found = f"{_ways(line)}, told by `{line.first}`" if line.kills else line.survives
+            yield f"* `{line.id}`: {found}"
     for topic in dict.fromkeys(line.topic for line in matrix.lines):
         yield ""
         name = TOPIC_NAMES.get(topic, topic)
