@@ -67,10 +67,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("box.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
     # A decoder that answers quickly: the reference, in a process of its own.
     Path("my_decoder.py").write_text(
+        "from snhc.reference_impl.bitstream.errors import SnhcError\n"
         "from snhc.reference_impl.face.decoded import ndjson\n"
         "from snhc.reference_impl.systems.stream import decode_frames\n"
+        "class Rejected(Exception):\n"
+        "    snhc_error = {}\n"
         "def decode(request):\n"
-        "    return ndjson(decode_frames(request.data))\n"
+        "    try:\n"
+        "        yield from ndjson(decode_frames(request.data))\n"
+        "    except SnhcError as error:\n"
+        "        fault = Rejected()\n"
+        "        fault.snhc_error = error.as_json()\n"
+        "        raise fault from error\n"
     )
     ledger = (TOP / "docs" / "running.md").read_text(encoding="utf-8")
     Path("known.toml").write_text(ledger.partition("```toml\n")[2].partition("```")[0])
