@@ -29,6 +29,8 @@ OTHERS = {
     "python3 -m venv .venv && .venv/bin/pip install tox && .venv/bin/tox": "CI",
     "snhc generate --check": "tox, which is why it is not done twice",
     "snhc run my-decoder.toml --cluster": "tests/cluster",
+    "pytest my-decoder.toml::": "tests/unit/test_own_ci.py",
+    "pytest --snhc-adapter my-decoder.toml": "tests/unit/test_own_ci.py, in a project of its own",
     "python own_vectors.py": "tests/unit/test_own_vectors.py",
     "snhc run my-decoder.toml --suite own-suite": "tests/unit/test_own_vectors.py",
     "snhc generate --suite own-suite --export own-export": "tests/unit/test_own_vectors.py",
