@@ -1,9 +1,9 @@
-"""The reference decoder for documents: coefficients, tables with frames, face definitions.
+"""The reference decoder for documents: coefficients, tables with frames, face definitions; texts are in `texts`.
 
 Rules: CNF-1, CNF-2, CNF-16, CNF-24, CNF-25, DCT-3, DCT-5..7, DCT-13, FIT-1..9, FAT-1..9, FAT-11, FAC-1.
 
-Output: `dctcoef` kind `fba`, `fit` kind `faces`, `fat` kind `vertices`. CNF-2 has no kind for the units of a face: the
-suite's own is `fapu`, one line behind the header:
+Output: `dctcoef`, `fap` and `bap` kind `fba`, `fit` kind `faces`, `fat` kind `vertices`. CNF-2 has no kind for the
+units of a face: the suite's own is `fapu`, one line behind the header:
 
     {"format":"snhc-decoded","version":1,"kind":"fapu"}
     {"index":0,"units":{"ES":...,"ENS":...,"MNS":...,"MW":...,"IRISD":...,"AU":1e-05},"faps":[null,null,...68 entries]}
@@ -46,11 +46,12 @@ from snhc.reference_impl.systems.stream import Options
 
 from .dct_tolerance import Unrounded, of_document, unrounded_document
 from .decoding import Decoded
-from .manifest import DCT_COEFFICIENTS, FACE, FAT, FIT, Tolerance
+from .manifest import BAP, DCT_COEFFICIENTS, FACE, FAP, FAT, FIT, Tolerance
+from .texts import bap_lines, fap_lines
 
 GEOMETRY: Final = "geometry"
 GEOMETRY_VERSION: Final = 1
-KINDS: Final = {DCT_COEFFICIENTS: "fba", FIT: "faces", FAT: "vertices", FACE: "fapu"}
+KINDS: Final = {DCT_COEFFICIENTS: "fba", FIT: "faces", FAT: "vertices", FACE: "fapu", FAP: "fba", BAP: "fba"}
 _U: Final = 2.0**-24
 # The points whose distances are the units: FAC-1.
 _MEASURED: Final = (("3.5", "3.6", 0), ("3.5", "9.15", 1), ("9.15", "2.2", 1), ("8.3", "8.4", 0), ("3.1", "3.3", 1))
@@ -114,13 +115,21 @@ def _units(data: bytes, _: bytes, options: Options, report: _Report) -> Iterator
     yield json.dumps(line, separators=(",", ":"))
 
 
+def _fap(data: bytes, _: bytes, options: Options, report: _Report) -> Iterator[str]:
+    return fap_lines(data, options, report)
+
+
+def _bap(data: bytes, _: bytes, options: Options, report: _Report) -> Iterator[str]:
+    return bap_lines(data, options, report)
+
+
 _LINES: Final[dict[str, Callable[[bytes, bytes, Options, _Report], Iterator[str]]]] = {
-    DCT_COEFFICIENTS: _coefficients, FIT: _faces, FAT: _vertices, FACE: _units,
+    DCT_COEFFICIENTS: _coefficients, FIT: _faces, FAT: _vertices, FACE: _units, FAP: _fap, BAP: _bap,
 }  # fmt: skip
 
 
 def tolerance_of(media: str, data: bytes, aux: bytes, readings: Readings = DEFAULT_READINGS) -> Tolerance | None:
-    """The tolerance of a document without faults; None for `fit`, which is exact. Rules: CNF-16, DCT-8."""
+    """The tolerance of a document without faults; None for `fit` and texts, which are exact. Rules: CNF-16, DCT-8."""
     if media == DCT_COEFFICIENTS:
         return of_document(parse_document(data), dct_reading(readings.dc_step_ratio, readings.normalisation))
     if media == FAT:

@@ -34,7 +34,7 @@ from snhc.reference_impl.systems.stream import (
 from .checking import profile_check
 from .dct_tolerance import of_planes
 from .decoding import Decoded, decode_input
-from .manifest import FACE, FAT, FIT, Accepted, Entry, Expect, Rejected, Tolerance
+from .manifest import BAP, FACE, FAP, FAT, FIT, Accepted, Entry, Expect, Rejected, Tolerance
 from .recipe import Accept, Ambiguous, Document, Place, Recipe, Reject, Stream, build_fault
 
 GENERATOR: Final = 1
@@ -70,7 +70,7 @@ class _Input:
 
 
 # How the files of documents end; frames are always `.frames.ndjson`.
-_ENDINGS: Final = {FIT: "table.json", FAT: "table.json", FACE: "face.json"}
+_ENDINGS: Final = {FIT: "table.json", FAT: "table.json", FACE: "face.json", FAP: "fap", BAP: "bap"}
 _COEFFICIENTS: Final = "json"
 
 

@@ -37,10 +37,12 @@ DCT_COEFFICIENTS: Final = "dctcoef"
 FIT: Final = "fit"
 FAT: Final = "fat"
 FACE: Final = "face"
+FAP: Final = "fap"
+BAP: Final = "bap"
 # What a decoder can claim (CNF-13): a vector names the tools that it needs.
-TOOLS: Final = ("fba", "bap", "systems", "dct-p1", "dctcoef", "mesh", "fit", "fat", "fapu")
-DOCUMENTS: Final = (DCT_COEFFICIENTS, FIT, FAT, FACE)
-"""The media that are JSON documents: coefficients, tables (with frames as `aux`), face definitions."""
+TOOLS: Final = ("fba", "bap", "systems", "dct-p1", "dctcoef", "mesh", "fit", "fat", "fapu", "fap-text", "bap-text")
+DOCUMENTS: Final = (DCT_COEFFICIENTS, FIT, FAT, FACE, FAP, BAP)
+"""The media that are no bitstreams: coefficients, tables (with frames as `aux`), face definitions, parameter texts."""
 
 
 @dataclass(frozen=True, slots=True)

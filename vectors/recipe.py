@@ -140,6 +140,7 @@ TOPICS: Final = (
     "truncation", "ambiguity", "mesh", "mesh_motion", "mesh_framing", "mesh_errors", "dct", "dct_errors",
     "dct_coefficients", "fit", "fit_errors", "fat", "fat_errors", "fapu", "real", "profiles", "mistakes",
     "mesh_mistakes", "table_mistakes",
+    "levels", "fields", "cuts", "texts", "documents", "stream_errors",
 )  # fmt: skip
 
 T = TypeVar("T")

@@ -31,7 +31,7 @@ _FOLDER: Final = click.Path(file_okay=False, path_type=Path)
 @click.option("--holes", is_flag=True, help="Only cells that no vector reaches.")
 @click.option(
     "--format", "given", type=click.Choice(["terminal", "json", "html", "markdown"]),
-    help="Form of the output; from the file name of -o if not given, else terminal. html, markdown: with --mutants.",
+    help="Form of the output; from the file name of -o if not given, else terminal. markdown: with --mutants.",
 )  # fmt: skip
 @click.option("--mutants", is_flag=True, help="The kill matrix: which mistakes of a decoder which vectors show.")
 @click.option("--mutant", multiple=True, metavar="GLOB", help="Only mutants with such ids. Repeatable, with --mutants.")
@@ -77,7 +77,7 @@ def command(
     if mutant or matrix is not None:
         raise click.UsageError("--mutant and --matrix go with --mutants")
     if check or update:
-        good, lines = _check(book, suite) if check else _update(book, suite)
+        good, lines = _measured("--check" if check else "--update", book, suite)
         with Output(common.output, common.keep_partial) as out:
             out.write("".join(f"{line}\n" for line in lines))
         if not good:
@@ -88,7 +88,7 @@ def command(
     from snhc.vectors.coverage import book as books
 
     style = format_of(given, common.output, _FORMATS, "terminal")
-    if style not in ("terminal", "json"):
+    if style == "markdown":
         raise click.UsageError(f"{style} is a form of --mutants")
     filtered = bool(rule or cell or holes)
     shown = books.load_book(book or books.BOOK_FILE)
@@ -129,6 +129,10 @@ def _mutants(
 def _texts(book: Book, style: str, filtered: bool) -> Iterator[str]:
     if style == "json":
         yield book.text()
+    elif style == "html":
+        from snhc.vectors.coverage.page import page
+
+        yield page(book)
     else:
         from snhc.vectors.coverage.text import cell_lines, summary_lines
 
@@ -136,8 +140,31 @@ def _texts(book: Book, style: str, filtered: bool) -> Iterator[str]:
             yield line + "\n"
 
 
+def _measured(option: str, book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
+    """Whether all is well, and the lines to print. Branches of compiled code cannot be watched."""
+    from .version import form
+
+    _needs_library(option)
+    if form() == "compiled":
+        return _in_pure_form(option, book, suite)
+    return _check(book, suite) if option == "--check" else _update(book, suite)
+
+
+def _in_pure_form(option: str, book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
+    import os
+    import subprocess
+    import sys
+
+    words = [sys.executable, "-m", "snhc.conformance.cli", "coverage", option]
+    for name, value in (("--book", book), ("--suite", suite)):
+        words += [name, str(value)] if value is not None else []
+    ended = subprocess.run(words, stdout=subprocess.PIPE, text=True, env={**os.environ, "SNHC_PURE": "1"}, check=False)
+    if ended.returncode not in (0, 1):
+        raise click.exceptions.Exit(ended.returncode)
+    return ended.returncode == 0, ended.stdout.splitlines()
+
+
 def _check(book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
-    _needs_library("--check")
     from snhc.vectors.coverage import book as books
     from snhc.vectors.manifest import SUITE
 
@@ -146,14 +173,17 @@ def _check(book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
 
 
 def _update(book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
-    _needs_library("--update")
+    from snhc.reference_impl.bitstream.errors import InputFormat
     from snhc.vectors.coverage import book as books
     from snhc.vectors.manifest import SUITE
 
     path = book or books.BOOK_FILE
     new, faults = books.make_book(suite or SUITE)
     if path.exists():
-        faults = [f"lost: {key}" for key in books.lost(books.load_book(path), new)] + faults
+        try:
+            faults = [f"lost: {key}" for key in books.lost(books.load_book(path), new)] + faults
+        except InputFormat as error:
+            faults = [f"the old book is not compared: {error}", *faults]
     path.write_text(new.text(), encoding="utf-8")
     share = new.share()
     return not faults, [*faults, f"{share.covered} of {share.total} cells are covered: {path}"]

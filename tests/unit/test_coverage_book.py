@@ -24,6 +24,10 @@ from snhc.vectors.decoding import decode_input
 from snhc.vectors.manifest import DOCUMENTS, SUITE, Rejected, load
 
 
+# The branches of compiled code cannot be watched, and its machines see no interpreted coder.
+pytestmark = pytest.mark.pure
+
+
 def element(**declared: object) -> Element:
     """An element that no syntax has."""
     el = Element("test", "CNF-8", **declared)  # type: ignore[arg-type]
@@ -220,6 +224,14 @@ def test_a_cell_that_is_gone_is_not_lost() -> None:
     assert lost(old, replace(old, rows=rows)) == ["word/t/1"]
 
 
+def test_a_module_that_no_vector_enters_any_more_is_lost() -> None:
+    old, _ = small_book()
+    row = Row(Cell("branch/face.state/f/if a/yes", ()), ("v.a",), "")
+    old = replace(old, rows={**old.rows, row.cell.key: row})
+    new = replace(small_book()[0], unentered=("face.state", "face.encode"))
+    assert lost(old, new) == ["branch/face.state/*"]
+
+
 def test_check_names_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     good, _ = small_book()
     path = tmp_path / "book.json"
@@ -237,6 +249,8 @@ def test_check_names_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_the_shipped_book_names_real_vectors_and_modules() -> None:
     book = load_book()
     assert {row.cell.kind for row in book.rows.values()} == set(KINDS)
+    assert set(book.vectors) == {entry.id for entry in load().entries}
+    assert all(row.covered or row.why for row in book.rows.values())
     assert {
         one.pattern for one in load_holes().outside if not any(matches(one.pattern, m) for m in branches.modules())
     } == set()
@@ -258,6 +272,8 @@ def test_the_verb_shows_shares_and_cells() -> None:
     assert code == 0 and all(line.startswith(("+ ", "- ")) and "FBA-26" in line for line in out.splitlines())
     code, out, _ = run("--holes", "--rule", "MSH")
     assert code == 0 and all(line.startswith("- ") for line in out.splitlines())
+    code, out, _ = run("--format", "html")
+    assert code == 0 and out.startswith("<!doctype html>") and "<!--" not in out
     code, out, _ = run("--cell", "word/mvd/0", "--format", "json")
     assert code == 0 and '"cell": "word/mvd/0"' in out
 

@@ -55,11 +55,15 @@ class Share:
 
 @dataclass(frozen=True, slots=True)
 class Book:
-    """The whole book. Rules: CNF-8. `rows`: by key, sorted; `vectors`: all ids of the suite, sorted."""
+    """The whole book.
+
+    Rules: CNF-8. `rows`: by key, sorted; `vectors`: all ids of the suite, sorted; `unentered`: as in `Observation`.
+    """
 
     suite: str
     vectors: tuple[str, ...]
     rows: Mapping[str, Row]
+    unentered: tuple[str, ...] = ()
 
     def share(self, select: Callable[[Row], bool] = lambda row: True) -> Share:
         """How many of the selected cells are covered."""
@@ -93,7 +97,7 @@ class Book:
             and text in key
             and (not holes or not row.covered)
         }
-        return Book(self.suite, self.vectors, rows)
+        return Book(self.suite, self.vectors, rows, self.unentered)
 
     def as_json(self) -> dict[str, Any]:
         """The document. Vectors are named by their place; equal sets of them, and reasons, stand once."""
@@ -119,6 +123,7 @@ class Book:
                 "cells": whole.total,
                 "kinds": {kind: [share.covered, share.total] for kind, share in self.by_kind().items()},
             },
+            "unentered": list(self.unentered),
             "vectors": list(self.vectors),
             "sets": list(sets),
             "reasons": list(reasons),
@@ -184,7 +189,7 @@ def bind(observed: Observation, holes: Holes, suite: str, vectors: Iterable[str]
         key: Row(cell, tuple(sorted(observed.hits.get(key, ()))), why.get(key, ""))
         for key, cell in sorted(observed.cells.items())
     }
-    return Book(suite, tuple(sorted(vectors)), rows), faults
+    return Book(suite, tuple(sorted(vectors)), rows, observed.unentered), faults
 
 
 def load_book(path: Path = BOOK_FILE) -> Book:
@@ -204,7 +209,7 @@ def load_book(path: Path = BOOK_FILE) -> Book:
         )
         for cell in document["cells"]
     }
-    return Book(document["suite"], tuple(vectors), rows)
+    return Book(document["suite"], tuple(vectors), rows, tuple(document["unentered"]))
 
 
 def validate(document: object) -> None:
@@ -220,8 +225,13 @@ def validate(document: object) -> None:
 
 
 def lost(old: Book, new: Book) -> list[str]:
-    """Cells that a vector reached and none reaches now. Rules: CNF-8. Cells that are gone are not lost."""
-    return [key for key, row in old.rows.items() if row.covered and key in new.rows and not new.rows[key].covered]
+    """Cells that a vector reached and none reaches now, and modules that none enters now.
+
+    Rules: CNF-8. Cells that are gone are not lost.
+    """
+    left = {module for module in new.unentered if any(key.startswith(f"branch/{module}/") for key in old.rows)}
+    out = [f"branch/{module}/*" for module in sorted(left)]
+    return out + [key for key, row in old.rows.items() if row.covered and key in new.rows and not new.rows[key].covered]
 
 
 def check(path: Path = BOOK_FILE, suite: Path = SUITE) -> list[str]:

@@ -81,19 +81,21 @@ class Learnt:
     """What reading the suite tells. Rules: CNF-8.
 
     `elements`: those met, by key; `widths`: of each, (bits, signed); `tables`: those used, by name; `users`: the
-    elements of each table.
+    elements of each table; `bytes`: the elements that are whole bytes.
     """
 
     elements: Mapping[str, Element]
     widths: Mapping[str, frozenset[tuple[int, bool]]]
     tables: Mapping[str, PrefixTable]
     users: Mapping[str, frozenset[str]]
+    bytes: frozenset[str]
 
 
 def learn(met: Iterable[Met], elements: Mapping[str, Element], tables: Mapping[str, PrefixTable]) -> Learnt:
     """Sum up what the probes met. Rules: CNF-8."""
     widths: dict[str, set[tuple[int, bool]]] = {}
     users: dict[str, set[str]] = {}
+    whole: set[str] = set()
     for what, key, *rest in met:
         if what == "value":
             widths.setdefault(str(key), set()).add((int(rest[0]), bool(rest[1])))
@@ -101,11 +103,14 @@ def learn(met: Iterable[Met], elements: Mapping[str, Element], tables: Mapping[s
             widths.setdefault(str(key), set()).add((int(rest[0]), False))
         elif what == "used":
             users.setdefault(str(rest[0]), set()).add(str(key))
+        elif what == "bytes":
+            whole.add(str(key))
     return Learnt(
         dict(elements),
         {key: frozenset(found) for key, found in widths.items()},
         {**_shipped(), **tables},
         {name: frozenset(found) for name, found in users.items()},
+        frozenset(whole),
     )
 
 
@@ -197,7 +202,14 @@ def _of_elements(learnt: Learnt) -> Iterator[Cell]:
                 yield Cell(f"element/{key}/{end}", own)
             if learnt.tables[name].kraft < 1:
                 yield from _error("ReservedValue", el.rule)
-        if not widths and not users and key not in {key_of(segment) for segment in SEGMENTS}:
+        for name in ("empty", "some") if key in learnt.bytes else ():
+            yield Cell(f"element/{key}/{name}", own)
+        if (
+            not widths
+            and not users
+            and key not in learnt.bytes
+            and key not in {key_of(segment) for segment in SEGMENTS}
+        ):
             yield Cell(f"element/{key}/read", own)
 
 

@@ -28,10 +28,15 @@ _NO_LIMIT: Final = 1 << 60
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What a suite reaches. Rules: CNF-8. `cells`: all, by key; `hits`: key -> ids of vectors, of those reached."""
+    """What a suite reaches.
+
+    Rules: CNF-8. `cells`: all, by key; `hits`: key -> ids of vectors, of those reached; `unentered`: modules of the
+    codec in which no vector takes a branch: encoders and outputs, which are no part of the decoder.
+    """
 
     cells: Mapping[str, Cell]
     hits: Mapping[str, frozenset[str]]
+    unentered: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,11 +88,13 @@ def observe(entries: Iterable[Entry], suite: Path, sources: Iterable[Source]) ->
                 hits.setdefault(key, set()).add(id)
     for key, ids in Watch(sources).run([(run.entry.id, run.decode) for run in runs]).items():
         hits.setdefault(key, set()).update(ids)
-    cells = universe(learnt, sources)
+    entered = [source for source in sources if any(branch.key in hits for branch in source.branches)]
+    cells = universe(learnt, entered)
     for key in hits:
         # Rules of errors that are raised through a helper do not stand in one place of the source.
         cells.setdefault(key, Cell(key, tuple(word for word in key.split("/")[2:3] if key.startswith("error/"))))
-    return Observation(cells, {key: frozenset(ids) for key, ids in hits.items()})
+    unentered = tuple(source.module for source in sources if source.branches and source not in entered)
+    return Observation(cells, {key: frozenset(ids) for key, ids in hits.items()}, unentered)
 
 
 def _runs(entry: Entry, suite: Path) -> list[_Run]:

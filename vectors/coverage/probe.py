@@ -21,10 +21,10 @@ from snhc.reference_impl.mesh.records import DELAUNAY, MeshPlane
 from snhc.reference_impl.syntax import base
 from snhc.reference_impl.syntax.element import Element, Fault, Step
 from snhc.reference_impl.syntax.reader import Reader
-from snhc.reference_impl.systems.stream import Options
+from snhc.reference_impl.systems.stream import Options, is_object
 from snhc.reference_impl.systems.visual import AnyPlane, fresh_items, visual_stream
 
-from .values import classes_of
+from .values import classes_of, refused
 
 Met = tuple[str | int, ...]
 
@@ -64,7 +64,7 @@ class Probe(Reader):
             self.met.add(("value", key, n, signed, name))
         if self._steps and self._steps[-1] == AT_GROUP.index and n > 1:
             group = self._indices[-1]
-            name = _mask_class(n, value) if n != 2 or el.name.endswith("group_mask") else str(value)
+            name = _mask_class(n, value) if el.name.endswith("group_mask") else _type_class(el, value)
             self.met.add(("group", key, group, name))
 
     def u(self, el: Element, n: int, v: int) -> int:
@@ -209,6 +209,10 @@ def _mask_class(n: int, value: int) -> str:
     return {1: "last only", 1 << (n - 1): "first only"}.get(value, "some")
 
 
+def _type_class(el: Element, value: int) -> str:
+    return str(value) if el.allows(value) else refused(value)
+
+
 def key_of(el: Element) -> str:
     """An element by rule and name: one of several declarations of it is as good as another. Rules: CNF-8."""
     return f"{el.rule}/{el.name}"
@@ -221,14 +225,22 @@ def fault_key(fault: Fault) -> tuple[str, str, str]:
 
 
 def probe(data: bytes, options: Options) -> Probe:
-    """Read a whole stream up to its first fault, and hand back the probe. Rules: CNF-8."""
+    """Read a stream up to its first fault or the end of the object to decode, and hand back the probe.
+
+    Rules: CNF-8, FBA-44. Objects before it are read too, as a decoder must; those behind it are not.
+    """
     io = Probe(BitCursor(BytesSource(data)), options)
+    number = -1
     try:
         for item, plane in visual_stream(io, fresh_items()):
             if plane is not None:
                 io.met |= _plane(plane)
                 if item.mesh is not None:
                     io.met.add(("stuffing", item.mesh.stuffing))
+            elif is_object(item) and not item.end:
+                number += 1
+                if number > options.object_number:
+                    break
     except SnhcError as error:
         io.error = error
     return io

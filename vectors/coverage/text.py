@@ -6,6 +6,7 @@ Rules: CNF-8.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import wrap
 from typing import Final
 
 from .book import Book, Row, Share
@@ -29,6 +30,10 @@ def summary_lines(book: Book) -> Iterator[str]:
         yield "holes, by reason"
         for why, count in reasons.items():
             yield f"{count:>6}  {why or 'NO REASON GIVEN'}"
+    if book.unentered:
+        yield ""
+        yield f"no vector enters {len(book.unentered)} modules of the codec (encoders, outputs; no cells of the book):"
+        yield from wrap(", ".join(book.unentered), 116, initial_indent="  ", subsequent_indent="  ")
 
 
 def _table(shares: dict[str, Share], title: str) -> Iterator[str]:

@@ -71,6 +71,22 @@ def clipping() -> Ambiguous:
 
 
 @vector(
+    id="fap.ambiguous.clipping.high-level",
+    title="Intensities outside 0..63",
+    tier="semantic",
+    rules=["FBA-32"],
+    features=["viseme", "expression", "inter"],
+    value_classes=["above-max", "negative"],
+)
+def clipping_high_level() -> Ambiguous:
+    """Blend goes to 73 and back by 10, intensity1 to -5 and back by 5: a decoder that clips ends at 53 and at 5."""
+    first = intra(viseme=(1, 2, 60, 0), expression=(1, 2, 3, 40, 0, 0))
+    there = inter(first, viseme=(0, 0, 13, 0), expression=(0, -7, 0, 0, 0, 0))
+    back = inter(first, viseme=(0, 0, -10, 0), expression=(0, 5, 0, 0, 0, 0))
+    return Ambiguous(stream(first, there, back), "AMB-FBA-4")
+
+
+@vector(
     id="fba.ambiguous.base-steps",
     title="Base steps of bodies",
     tier="semantic",

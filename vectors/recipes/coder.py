@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+from snhc.reference_impl.bitstream.errors import MarkerBit
 from snhc.reference_impl.entropy.literal import SegmentTrace
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.syntax.base import PLANE
+from snhc.reference_impl.syntax.faulty import Mutation
 from snhc.reference_impl.systems.stream import trace_stream, write_stream
 
-from ..builders import all_lists, empty, inter, intra, stream
-from ..recipe import Accept, vector
+from ..builders import all_lists, body, empty, inter, intra, stream
+from ..manifest import CONCEAL, REJECT
+from ..recipe import Accept, Reject, family, vector
 from ..seeded import Seeded
 
 _GUARD_AFTER = 22
@@ -175,6 +181,136 @@ def zero_guard_in_look_ahead() -> Accept:
     _must(all(plane.boundary == PLANE for plane in trial), "no start code between the planes")
     _must(_guard_in_look_ahead(data, _segments(data)[0]) == 0, "a guard of value 0 in the look-ahead")
     return Accept(stream(*planes()), lines=5, values={(4, 48): 31 * 170})
+
+
+def _behind_inter(levels: tuple[int, int], idle: int) -> list[FbaPlane]:
+    v = {48: 1, 49: 1}
+    first = intra({48: 0, 49: 0}, ranges=dict.fromkeys(all_lists(1), v))
+    second = inter(first, {48: levels[0], 49: levels[1]})
+    return [first, second, *(empty() for _ in range(idle)), inter(first, {48: 1})]
+
+
+def _behind_bodies(levels: tuple[int, int], idle: int) -> list[FbaPlane]:
+    first = body({8: 0, 9: 0}, quant=0, ranges=all_lists(1))
+    second = inter(first, baps={8: levels[0], 9: levels[1]})
+    return [first, second, *(empty() for _ in range(idle)), inter(first, baps={8: 1})]
+
+
+def _behind_intra_bodies(levels: tuple[int, int], idle: int) -> list[FbaPlane]:
+    first = body({8: levels[0], 9: levels[1]}, quant=0, ranges=all_lists(1))
+    return [first, *(empty() for _ in range(idle)), inter(first, baps={8: 1})]
+
+
+@family(
+    {
+        "inter, value 1": (_behind_inter, (45, 45), 2, 1, 1),
+        "inter, value 0": (_behind_inter, (55, -21), 3, 1, 0),
+        "body, value 1": (_behind_intra_bodies, (55, -21), 3, 0, 1),
+        "body, value 0": (_behind_intra_bodies, (55, -21), 4, 0, 0),
+        "inter body, value 1": (_behind_bodies, (55, -21), 3, 1, 1),
+        "inter body, value 0": (_behind_bodies, (55, -21), 4, 1, 0),
+    },
+    id="fba.guard.in-look-ahead.{case}",
+    title="A guard in the look-ahead of another segment: {case}",
+    tier="stress",
+    rules=["FBA-26", "FBA-27"],
+    features=["guard", "look-ahead", "plane-without-data"],
+)
+def other_guards_in_look_ahead(
+    case: tuple[Callable[[tuple[int, int], int], list[FbaPlane]], tuple[int, int], int, int, int],
+) -> Accept:
+    """The segment ends on zeros and planes without data follow: a guard within the look-ahead that is none ({case})."""
+    make, levels, idle, which, value = case
+    planes = make(levels, idle)
+    data = write_stream(stream(*planes))
+    _must(all(plane.boundary == PLANE for plane in planes), "no start code between the planes")
+    _must(_guard_in_look_ahead(data, _segments(data)[which]) == value, f"a guard of value {value} in the look-ahead")
+    return Accept(stream(*make(levels, idle)), lines=len(planes))
+
+
+_HIGH_LEVEL = {
+    "expression, value 0": ("expression", 0, (0, 0, 3, 3), 1860, 0),
+    "expression, value 1": ("expression", 0, (0, 0, 3, 3), 1859, 1),
+    "inter expression, value 0": ("expression", 1, (0, 0, 5, 8), 600, 0),
+    "inter expression, value 1": ("expression", 1, (0, 0, 5, 8), 599, 1),
+    "viseme, value 0": ("viseme", 0, (0, 7, 1), 1860, 0),
+    "viseme, value 1": ("viseme", 0, (0, 14, 3), 1858, 1),
+    "inter viseme, value 0": ("viseme", 1, (0, 3, 35), 600, 0),
+    "inter viseme, value 1": ("viseme", 1, (1, 10, 53), 598, 1),
+}
+
+
+def _before_zeros(kind: str, plane: int, levels: tuple[int, ...], fap: int) -> list[FbaPlane]:
+    """The segment ends on zeros, its flags are 0, and the FAP segment behind it begins with zeros."""
+    none = (0,) * len(levels)
+
+    def given(values: tuple[int, ...]) -> dict[str, Any]:
+        return {kind: (*values, 0) if kind == "viseme" else (*values, 0, 0)}
+
+    if not plane:
+        return [intra(dict.fromkeys((48, 49, 50), fap), **given(levels))]
+    first = intra(dict.fromkeys((48, 49, 50), 0), **given(none))
+    return [first, inter(first, dict.fromkeys((48, 49, 50), fap), **given(levels))]
+
+
+@family(
+    _HIGH_LEVEL,
+    id="fap.highlevel.guard.in-look-ahead.{case}",
+    title="A guard in the look-ahead of a segment of FAP 1 or 2: {case}",
+    tier="stress",
+    rules=["FBA-26", "FBA-27", "FBA-28"],
+    features=["guard", "look-ahead", "viseme", "expression"],
+)
+def high_level_look_ahead(case: tuple[str, int, tuple[int, ...], int, int]) -> Accept:
+    """The segment and its flags end on zeros, the next segment begins with zeros: 22 within the look-ahead ({case}).
+
+    What stands behind the 22nd is data of the next segment and no guard of this one.
+    """
+    kind, plane, levels, fap, value = case
+    planes = _before_zeros(kind, plane, levels, fap)
+    data = write_stream(stream(*planes))
+    segment = _segments(data)[2 * plane]
+    _must(_guard_in_look_ahead(data, segment) == value, f"a guard of value {value} in the look-ahead")
+    return Accept(stream(*_before_zeros(kind, plane, levels, fap)), lines=len(planes))
+
+
+def _rare(kind: str) -> list[FbaPlane]:
+    """Planes in which nothing changes, until the largest difference is so rare that it costs more than 7 bits."""
+    if kind == "viseme":
+        first = intra(viseme=(0, 0, 0, 0))
+        return [first, *(inter(first) for _ in range(230)), inter(first, viseme=(14, 14, 63, 0))]
+    first = intra(expression=(0, 0, 0, 0, 0, 0))
+    return [first, *(inter(first) for _ in range(60)), inter(first, expression=(6, 63, 6, 63, 0, 0))]
+
+
+@vector(
+    id="fap.highlevel.guard.viseme",
+    title="A guard in a viseme segment",
+    tier="stress",
+    rules=["FBA-24", "FBA-25", "FBA-28"],
+    features=["guard", "viseme", "inter"],
+    value_classes=["max"],
+)
+def viseme_guard() -> Accept:
+    """Three symbols make 22 zeros once their models have adapted to something else: 230 planes without a change."""
+    _must(len(_segments(write_stream(stream(*_rare("viseme"))))[-2].guards) == 1, "a guard")
+    line = '"viseme":{"select1":14,"select2":14,"blend":63,"def":0}'
+    return Accept(stream(*_rare("viseme")), lines=232, text={231: line})
+
+
+@family(
+    {"viseme": "viseme", "expression": "expression"},
+    id="fap.highlevel.error.guard-zero.{case}",
+    title="A guard of value 0 in a segment of the {case}",
+    tier="error",
+    rules=["FBA-25", "FBA-28"],
+    features=["guard", "viseme", "expression", "inter"],
+)
+def high_level_guard(kind: str) -> Reject:
+    """The last plane's {case} segment has 22 zeros, and the guard behind them is 0."""
+    planes = _rare(kind)
+    mutation = Mutation(f"{kind}_segment", "guard", path=f"plane[{len(planes) - 1}]")
+    return Reject(stream(*planes), MarkerBit, "FBA-25", (mutation,), allowed=(REJECT, CONCEAL))
 
 
 @vector(

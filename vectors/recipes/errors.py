@@ -331,11 +331,7 @@ def start_code_cut() -> Reject:
 
 
 @family(
-    {
-        "0": ("visual_object_type", 0, ReservedValue, "SYS-4"),
-        "6": ("visual_object_type", 6, ReservedValue, "SYS-4"),
-        "15": ("visual_object_type", 15, ReservedValue, "SYS-4"),
-    },
+    {str(value): ("visual_object_type", value, ReservedValue, "SYS-4") for value in (0, *range(6, 16))},
     id="sys.error.object-type.{case}",
     title="visual_object_type {case}",
     tier="error",
