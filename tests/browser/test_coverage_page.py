@@ -33,7 +33,9 @@ def count(browser: WebDriver) -> str:
 
 def test_the_page_counts_as_the_book_does(opened: WebDriver) -> None:
     share = load_book().share()
-    assert count(opened).startswith(f"{share.total} cells, {share.covered} covered, {share.total - share.covered} holes")
+    assert count(opened).startswith(
+        f"{share.total} cells, {share.covered} covered, {share.total - share.covered} holes"
+    )
     assert len(rows(opened)) == 200
     assert "http" not in opened.page_source.replace("http-equiv", "")
 

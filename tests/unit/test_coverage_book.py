@@ -23,7 +23,6 @@ from snhc.vectors.coverage.values import all_classes, classes_of
 from snhc.vectors.decoding import decode_input
 from snhc.vectors.manifest import DOCUMENTS, SUITE, Rejected, load
 
-
 # The branches of compiled code cannot be watched, and its machines see no interpreted coder.
 pytestmark = pytest.mark.pure
 
@@ -158,7 +157,6 @@ def test_the_probe_reads_as_the_reader_does() -> None:
     assert checked > 100
 
 
-@pytest.mark.pure
 def test_cells_that_are_known_of_a_vector() -> None:
     entries = [entry for entry in load().entries if entry.id == "fap.arith.error.guard-zero.second"]
     observed = observe(entries, SUITE, ())
