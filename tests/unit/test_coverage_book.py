@@ -290,3 +290,10 @@ def test_the_verb_reads_another_book(tmp_path: Path) -> None:
     path.write_text("{}", encoding="utf-8")
     code, _, err = run("--book", str(path))
     assert code == 3 and "coverage book" in err
+
+
+def test_a_compiled_form_is_measured_by_a_pure_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("snhc.conformance.cli.version.form", lambda: "compiled")
+    # The child finds no suite: its exit code is handed on.
+    code, out, _ = run("--check", "--suite", str(tmp_path))
+    assert code == 3 and not out

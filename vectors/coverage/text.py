@@ -44,8 +44,9 @@ def _table(shares: dict[str, Share], title: str) -> Iterator[str]:
 
 
 def cell_lines(book: Book) -> Iterator[str]:
-    """Every cell with its vectors, or the reason why it is a hole."""
-    for row in book.rows.values():
+    """Every cell with its vectors, or the reason why it is a hole; syntax first, branches of the decoder last."""
+    order = list(KINDS)
+    for row in sorted(book.rows.values(), key=lambda row: order.index(row.cell.kind)):
         yield cell_line(row)
 
 
