@@ -72,16 +72,21 @@ def _segment(seeded: Seeded, is_intra: bool) -> dict[int, CoefficientRun]:
     return faps
 
 
-def test_decode_stream_of_20000_coefficients(benchmark: Callable[..., object]) -> None:
-    """The goal is 0.3 million coefficients that are sent (DC and AC) per second, all steps of decoding included."""
+def stream_of_segments(least: int) -> tuple[bytes, int]:
+    """A stream with at least so many coefficients that are sent (DC and AC), and their number."""
     seeded = Seeded(1)
     first = dct_intra(_segment(seeded, True), types=dict.fromkeys(range(2, 11), 3))
     planes = [first]
     count = 0
-    while count < 20_000:
+    while count < least:
         planes.append(dct_inter(first, _segment(seeded, False)))
         assert planes[-1].faps is not None and planes[-1].faps.segment is not None
         count += sum(1 + len(run.levels) for run in planes[-1].faps.segment.runs)
-    data = write_stream(stream(*planes))
+    return write_stream(stream(*planes)), count
+
+
+def test_decode_stream_of_20000_coefficients(benchmark: Callable[..., object]) -> None:
+    """All steps of decoding included."""
+    data, count = stream_of_segments(20_000)
     benchmark.extra_info["coefficients"] = count  # type: ignore[attr-defined]
     benchmark(lambda: sum(1 for _ in decode_planes(data)))
