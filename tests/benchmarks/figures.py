@@ -234,7 +234,7 @@ def plots(figures: Figures, folder: Path) -> None:
     axes.set_xscale("log")
     axes.set_xlabel("per second of processor time")
     axes.grid(axis="x", alpha=0.3)
-    axes.legend(loc="lower right")
+    axes.legend(loc="center right")
     figure.savefig(folder / "rates.svg", metadata={"Date": None})
     for key, label, scale in (("peak_kib", "peak memory, MB", 1024 / MEGABYTE), ("seconds", "processor seconds", 1.0)):
         figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
@@ -245,7 +245,7 @@ def plots(figures: Figures, folder: Path) -> None:
         if key == "seconds":
             axes.set_yscale("log")
         else:
-            axes.set_ylim(0)
+            axes.set_ylim(0, 1.25 * scale * max(r[key] for rows in figures["growth"].values() for r in rows))
         axes.set_xlabel("input, MB")
         axes.set_ylabel(label)
         axes.grid(alpha=0.3)
