@@ -6,6 +6,7 @@ One page per area with all its rules, the ambiguities, the findings, all vectors
 
 from __future__ import annotations
 
+import json
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -39,7 +40,9 @@ _SHOWN: Final = 12
 
 def write_pages(folder: Path) -> None:
     """Write all pages into a folder; what is there already and not made now is removed."""
-    pages = {"rules.md": _index(), "ambiguities.md": _ambiguities(), "findings.md": _findings()}
+    pages = {
+        "rules.md": _index(), "ambiguities.md": _ambiguities(), "findings.md": _findings(), "fuzzing.inc": _fuzzing(),
+    }  # fmt: skip
     vectors = _vectors()
     places = _places()
     for area in AREAS:
@@ -147,6 +150,29 @@ def _ambiguities() -> str:
         lines += ["Switch\n: " + ("yes" if entry.built else "none yet"), ""]
         if vectors[entry.id]:
             lines += ["Vectors that tell the readings apart\n: " + ", ".join(map(_vector, vectors[entry.id])), ""]
+    return "\n".join(lines)
+
+
+def _fuzzing() -> str:
+    """The campaigns on record, the newest first: `tests/fuzz/last.json`."""
+    record = Path(__file__).parents[1] / "tests" / "fuzz" / "last.json"
+    if not record.exists():
+        return "No campaign is on record.\n"
+    lines = ["## What was run", ""]
+    for campaign in reversed(json.loads(record.read_text(encoding="utf-8"))):
+        how = "guided" if campaign["guided"] else "unguided"
+        how += ", address sanitizer" if campaign["sanitizer"] else ""
+        lines += [
+            f"### {campaign['date']}: {campaign['form']} form, {how}", "",
+            f"{campaign['inputs']:,} inputs in {campaign['seconds']:,} s on {campaign['cores']} cores.", "",
+            "| target | inputs | slowest input, ms | of what ten times a valid input may take | finding |",
+            "|---|---|---|---|---|",
+        ]  # fmt: skip
+        for one in campaign["targets"]:
+            share = f"{10 * one.get('ratio', 0):.1f} %"
+            finding = _plain(one.get("finding", "")) or "none"
+            lines.append(f"| {one['target']} | {one['inputs']:,} | {one.get('slowest_ms', 0)} | {share} | {finding} |")
+        lines.append("")
     return "\n".join(lines)
 
 

@@ -12,7 +12,7 @@ from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.face.records import FbaObject, FbaPlane, ParameterData
 from snhc.reference_impl.rules import rule
 from snhc.reference_impl.syntax.temporal import TemporalHeader
-from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_frames, trace_stream
+from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_frames, is_object, trace_stream
 from snhc.reference_impl.systems.visual import StreamItem, VisualObjectHeader
 
 SAMPLES = Path(__file__).parent / "fixtures" / "samples"
@@ -58,8 +58,9 @@ def plain(value: object, *, spans: bool = True) -> object:
 def frames_of(items: list[StreamItem]) -> list[Any]:
     """All frames that the planes of the first object hold."""
     for item in items:
-        if item.fba is not None:
-            return [frame for plane in item.fba.planes for frame in plane.frames]
+        planes = item.fba.planes if item.fba is not None else item.mesh.planes if item.mesh is not None else None
+        if planes is not None:
+            return [frame for plane in planes for frame in plane.frames]
     return []
 
 
@@ -71,7 +72,7 @@ def traced(data: Any, options: Options = DEFAULT_OPTIONS) -> tuple[list[Any], li
     first = None
     for part in trace_stream(data, options):
         findings += part.findings
-        if first is None and part.item is not None and part.item.fba is not None:
+        if first is None and part.item is not None and is_object(part.item):
             first = part.item
         if part.plane is not None and part.item is first:
             frames += part.plane.frames

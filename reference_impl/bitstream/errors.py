@@ -11,6 +11,17 @@ from __future__ import annotations
 from typing import ClassVar, Final
 
 
+def one_line(text: str) -> str:
+    """The text with everything that is not printable escaped: what an input holds must neither break a line nor steer
+    a terminal.
+
+    Rules: CNF-7.
+    """
+    if text.isprintable():
+        return text
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode("ascii") for char in text)
+
+
 class SnhcError(Exception):
     """Base of all located faults; never raised itself.
 
@@ -68,7 +79,7 @@ class SnhcError(Exception):
             text += f": allowed {self.allowed}"
         if self.expected is not None:
             text += f": expected {self.expected}"
-        return f"{text} ({self.rule})"
+        return one_line(f"{text} ({self.rule})")
 
     def __str__(self) -> str:
         return f"{self.error_class}: {self.message}"

@@ -302,7 +302,8 @@ class EpfReader:
 
     def _order(self, what: str, index: int = 0) -> None:
         token = self._tokens[index] if index else b""
-        self._lines.fault(self._starts[index], what, token, kind=InconsistentSemantics)
+        allowed = "FBM, then tags of the parts that it codes, each once and behind those that it needs"
+        self._lines.fault(self._starts[index], what, token, allowed, InconsistentSemantics)
 
 
 def read_epf(stream: Iterable[bytes], *, strict: bool = False, limits: Limits = DEFAULT_LIMITS) -> EncoderParameters:

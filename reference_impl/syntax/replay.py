@@ -176,6 +176,9 @@ class Replayer(Writer):
 
     def next_code(self, v: int) -> int:
         following = self._look()
+        if following is not None and following.data is not None and following.data.startswith(_PREFIX):
+            # Bytes that no syntax takes may begin with a start code all the same.
+            return int.from_bytes(following.data[:4], "big") if len(following.data) >= 4 else -1
         return following.value if following is not None and following.name.endswith(_CODE) else -1
 
     def follows(self, value: int, n: int, v: bool) -> bool:
