@@ -28,6 +28,8 @@ OTHERS = {
     "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/snhc run": "CI, and every test of the verb",
     "python3 -m venv .venv && .venv/bin/pip install tox && .venv/bin/tox": "CI",
     "snhc generate --check": "tox, which is why it is not done twice",
+    "snhc generate --suite vectors/suite": "for a checkout; tests/unit/test_vectors.py",
+    "snhc coverage --update": "for a checkout; tests/unit/test_coverage_book.py",
     "snhc run my-decoder.toml --cluster": "tests/cluster",
     "pytest my-decoder.toml::": "tests/unit/test_own_ci.py",
     "pytest --snhc-adapter my-decoder.toml": "tests/unit/test_own_ci.py, in a project of its own",
