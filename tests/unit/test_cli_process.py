@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from signals import hears_interrupts
 
 WORKED = bytes.fromhex("000001bab19001960002492c921f97ffcbf97ffcbf37ff9bf37ff9befa128c9f1c4cfca00ae5000001b1")
 HEAVY = ("numpy", "rich", "jsonschema", "scipy", "asyncio")
@@ -130,8 +131,9 @@ def test_planes_are_shown_before_the_input_ends() -> None:
 def test_interrupted(tmp_path: Path) -> None:
     target = tmp_path / "out.ndjson"
     process = subprocess.Popen(
-        command("decode", "-", "-o", str(target)), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+        command("decode", "-", "-o", str(target)),
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=hears_interrupts,
+    )  # fmt: skip
     assert process.stdin is not None and process.stderr is not None and process.stdout is not None
     process.stdin.write(WORKED[:8])
     process.stdin.flush()

@@ -393,7 +393,7 @@ def test_the_command_prints_the_matrix(run: CliRunner, tmp_path: Path, matrix: M
     "arguments",
     [
         ["--mutants", "--mutant", "no.such"], ["--mutant", "x"], ["--mutants", "--update", "--mutant", "no.such"],
-        ["--mutants", "--book", "x"], ["--format", "html"],
+        ["--mutants", "--book", "x"],
     ],
 )  # fmt: skip
 def test_words_that_do_not_go_together(run: CliRunner, arguments: list[str]) -> None:

@@ -66,8 +66,9 @@ def test_made_twice_it_is_the_same(folder: Path) -> None:
 
 
 def test_recipes_of_others_do_not_get_into_the_shipped_suite(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("snhc.vectors.recipe.RECIPES", dict(RECIPES))
+    # Modules register their recipes once: all of them before the register is exchanged.
     before = all_recipes()
+    monkeypatch.setattr("snhc.vectors.recipe.RECIPES", dict(RECIPES))
 
     @vector(id="own.test.one", title="T", tier="syntax", rules=["FBA-1"])
     def function() -> Accept:

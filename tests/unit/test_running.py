@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from signals import hears_interrupts
 
 from snhc.conformance.adapters import BuiltIn, OneShot, Outcome
 from snhc.conformance.filters import selector
@@ -247,8 +248,9 @@ def _slow(tmp_path: Path) -> list[str]:
 
 def _snhc(*words: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        [sys.executable, "-m", "snhc.conformance.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+        [sys.executable, "-m", "snhc.conformance.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=hears_interrupts,
+    )  # fmt: skip
 
 
 def _wait_for_lines(path: Path, count: int) -> None:

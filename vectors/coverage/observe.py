@@ -86,8 +86,9 @@ def observe(entries: Iterable[Entry], suite: Path, sources: Iterable[Source]) ->
         for one in found:
             for key in name_of(one, learnt):
                 hits.setdefault(key, set()).add(id)
-    for key, ids in Watch(sources).run([(run.entry.id, run.decode) for run in runs]).items():
-        hits.setdefault(key, set()).update(ids)
+    if sources:
+        for key, ids in Watch(sources).run([(run.entry.id, run.decode) for run in runs]).items():
+            hits.setdefault(key, set()).update(ids)
     entered = [source for source in sources if any(branch.key in hits for branch in source.branches)]
     cells = universe(learnt, entered)
     for key in hits:
