@@ -49,7 +49,9 @@ class FaceColumns:
         self.baps: dict[int, dict[int, int]] = {}
 
     def add(self, frame: FaceFrame) -> None:
-        """Append one frame. Rules: CNF-1. Raises OverflowError for a value beyond 64 bits."""
+        """Append one frame. Rules: CNF-1. Raises OverflowError for a number beyond 64 bits, and appends nothing then."""
+        # Exact times need more bits with every change of the rate.
+        time = array("q", frame.time)
         values: list[int] = []
         flags: list[int] = []
         for value in frame.faps:
@@ -61,7 +63,7 @@ class FaceColumns:
                 flags.append(1)
         self.faps.fromlist(values)
         self.faps_set += bytes(flags)
-        self.time.extend(frame.time)
+        self.time.extend(time)
         self.intra.append(frame.intra)
         viseme = frame.viseme
         self.viseme.extend(_NO_VISEME if viseme is None else viseme)

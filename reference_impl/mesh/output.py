@@ -53,12 +53,12 @@ class MeshArrays:
         self._offsets: dict[str, array[int]] = {name: array("q", [0]) for name in self._long}
 
     def add(self, frame: MeshFrame) -> None:
-        """Take in the next frame. Rules: CNF-1, CNF-22."""
+        """Take in the next frame. Rules: CNF-1, CNF-22. Raises OverflowError as `FaceColumns.add`."""
         if len(self._intra) >= self._limits.collected_planes:
             raise ResourceLimit(
                 "CNF-22", "frames kept", value=len(self._intra) + 1, allowed=f"at most {self._limits.collected_planes}"
             )
-        self._time.extend(frame.time)
+        self._time.extend(array("q", frame.time))
         self._intra.append(frame.intra)
         nodes, triangles = self._long["nodes"], self._long["triangles"]
         for node in frame.nodes:

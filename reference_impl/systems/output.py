@@ -278,7 +278,8 @@ class FapWriter(FrameWriter):
 class NpzWriter(FrameWriter):
     """Arrays with one row per frame, in a numpy archive; the keys stand in docs/formats.md.
 
-    Rules: CNF-1, CNF-22, CNF-25. Collects; raises ResourceLimit past `limits.collected_planes`.
+    Rules: CNF-1, CNF-22, CNF-25. Collects; raises ResourceLimit past `limits.collected_planes`, EncodeError for a
+    number that 64 bits do not hold.
     """
 
     def __init__(
@@ -300,6 +301,15 @@ class NpzWriter(FrameWriter):
             self._meshes = MeshArrays(self._readings, self._limits)
 
     def frame(self, frame: FaceFrame | MeshFrame) -> None:
+        try:
+            self._add(frame)
+        except OverflowError:
+            raise EncodeError(
+                "CNF-25", f"npz: frame {frame.index}", value="a time or value of more than 64 bits",
+                allowed="64 bits; NDJSON and CSV hold any",
+            ) from None  # fmt: skip
+
+    def _add(self, frame: FaceFrame | MeshFrame) -> None:
         if isinstance(frame, MeshFrame):
             assert self._meshes is not None
             self._meshes.add(frame)

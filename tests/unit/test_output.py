@@ -5,11 +5,16 @@ from __future__ import annotations
 import io
 
 import numpy as np
+import pytest
 
+from snhc.reference_impl.bitstream.errors import EncodeError
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.face.syntax import new_plane
+from snhc.reference_impl.mesh.records import MeshFrame
 from snhc.reference_impl.systems.output import FapFrames, NpzWriter
+from snhc.reference_impl.systems.stream import decode_frames, write_stream
+from snhc.vectors.builders import intra, stream
 
 
 def plane_of(mask: int, *, skipped: int = 0, rate: int = 0, baps: dict[int, int] | None = None) -> FbaPlane:
@@ -51,3 +56,32 @@ def test_npz_of_bodies() -> None:
         assert arrays["baps"][1, 295] == -3
         assert np.argwhere(arrays["baps_set"]).tolist() == [[1, 0], [1, 295]]
         assert arrays["fap_quant"].tolist() == [-1, -1]
+
+
+def test_a_time_that_an_archive_cannot_hold_is_an_error_and_what_was_before_it_is_whole() -> None:
+    # Every new rate is a new prime in the denominator: 12 of them are more than 64 bits.
+    primes = [rate for rate in range(200, 256) if all(rate % n for n in range(2, 16))]
+    rates = [*primes, *(191, 193, 197, 199)]
+    data = write_stream(stream(*(intra({3: 1}, rate=(rate, 0, 0)) for rate in rates)))
+    frames = list(decode_frames(data))
+    assert len(rates) == 12
+    assert frames[-1].time[1] >= 1 << 63
+    pieces: list[bytes] = []
+    writer = NpzWriter(pieces.append)
+    writer.begin("fba")
+    with pytest.raises(EncodeError, match="npz: frame [0-9]+.*64 bits"):
+        for frame in frames:
+            writer.frame(frame)
+    writer.end()
+    with np.load(io.BytesIO(b"".join(pieces))) as arrays:
+        kept = len(arrays["time"])
+        assert 0 < kept < len(frames)
+        assert [tuple(row) for row in arrays["time"].tolist()] == [frame.time for frame in frames[:kept]]
+        assert len(arrays["faps"]) == len(arrays["state"]) == kept
+
+
+def test_such_a_time_of_a_mesh_too() -> None:
+    writer = NpzWriter(lambda piece: None)
+    writer.begin("mesh")
+    with pytest.raises(EncodeError, match="npz: frame 0"):
+        writer.frame(MeshFrame(0, (1, 1 << 63), True, ((0, 0),), None, None))
