@@ -12,6 +12,7 @@ from math import isnan
 from pathlib import Path
 from typing import Final
 
+from ..pages import base_css, svg_path
 from .report import Comparison, title_of
 from .values import ValueDiff
 
@@ -50,7 +51,7 @@ def html_text(comparison: Comparison) -> str:
         if channel.different or channel.missing
     ]  # fmt: skip
     curves = [] if values is None else list(_curves(values))
-    return page.render(c=comparison, elements=elements, channels=channels, curves=curves) + "\n"
+    return page.render(base=base_css(), c=comparison, elements=elements, channels=channels, curves=curves) + "\n"
 
 
 def _curves(values: ValueDiff) -> Iterator[Curve]:
@@ -74,16 +75,12 @@ def _path(times: array[float], values: array[float], low: float, high: float) ->
     span = (times[-1] - times[0]) or 1.0
     height = (high - low) or 1.0
     step = max(1, len(values) // POINTS)
-    out: list[str] = []
-    pen = "M"
+    points: list[tuple[float, float] | None] = []
     for first in range(0, len(values), step):
-        points = [n for n in range(first, min(first + step, len(values))) if not isnan(values[n])]
-        if not points:
-            pen = "M"
+        known = [n for n in range(first, min(first + step, len(values))) if not isnan(values[n])]
+        if not known:
+            points.append(None)
             continue
-        for n in sorted({min(points, key=values.__getitem__), max(points, key=values.__getitem__)}):
-            x = 1000.0 * (times[n] - times[0]) / span
-            y = 97.0 - 94.0 * (values[n] - low) / height
-            out.append(f"{pen}{x:.1f} {y:.2f}")
-            pen = "L"
-    return "".join(out)
+        for n in sorted({min(known, key=values.__getitem__), max(known, key=values.__getitem__)}):
+            points.append((1000.0 * (times[n] - times[0]) / span, 97.0 - 94.0 * (values[n] - low) / height))
+    return svg_path(points)

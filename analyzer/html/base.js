@@ -45,7 +45,18 @@ snhc.lastAtMost = (column, value, length = column.length) => {
 
 // -- looks --
 
-snhc.colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+// A canvas needs what `light-dark()` stands for, which only a property that takes a colour tells.
+const colours = new Map();
+snhc.colour = (name) => {
+  const root = document.documentElement;
+  const key = `${root.dataset.theme} ${name}`;
+  if (!colours.has(key)) {
+    root.style.caretColor = `var(--${name})`;
+    colours.set(key, getComputedStyle(root).caretColor);
+    root.style.caretColor = "";
+  }
+  return colours.get(key);
+};
 snhc.isDark = () => document.documentElement.dataset.theme === "dark";
 
 // A canvas drawn at the screen's own resolution; `draw(context, width, height)`.

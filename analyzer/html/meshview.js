@@ -103,7 +103,7 @@ snhc.MeshView = class {
         context.beginPath();
         corners.forEach((corner, i) => (i ? context.lineTo(...this.places[corner]) : context.moveTo(...this.places[corner])));
         context.closePath();
-        context.fillStyle = snhc.colour(corners.includes(node) ? "select" : "hover");
+        context.fillStyle = snhc.colour(corners.includes(node) ? "select" : "shade");
         context.fill();
         context.strokeStyle = snhc.colour("soft");
         context.globalAlpha = 0.55;

@@ -11,7 +11,7 @@ from base64 import b64encode
 from collections.abc import Iterable
 from typing import Any, Final
 
-# array's letters; `packing.js` reads the same.
+# array's letters; `data.js` reads the same.
 TYPES: Final = "BhHiIfd"
 
 

@@ -1,7 +1,7 @@
 """`snhc dump --format html`: one file that shows a stream, with nothing beside it and no network.
 
 Rules: CNF-17, CNF-21, CNF-22, CNF-23, CNF-25. The page is `viewer.html`, `viewer.css` and the scripts beside this
-module; the data comes as JSON with packed columns, and reaches the screen as text only.
+module, with the sheet of all pages; the data comes as JSON with packed columns, and reaches the screen as text only.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from snhc.reference_impl.rules import ambiguities, rules
 from snhc.reference_impl.systems.stream import Options
 from snhc.reference_impl.tables import fap_groups, fap_table
 
+from ..pages import base_css
 from ..parts import Parts
 from .columns import MOST_BYTES, PartColumns, Rows, too_large
 from .frames import FaceFrames, MeshFrames
@@ -48,7 +49,7 @@ def dump_html(parts: Parts, source: Source, options: Options, name: str, symbols
     head, rest = page.split("/*STYLE*/")
     body, rest = rest.split("/*DATA*/")
     middle, tail = rest.split("/*SCRIPT*/")
-    yield head + (_FOLDER / "viewer.css").read_text(encoding="utf-8") + body
+    yield head + base_css() + (_FOLDER / "viewer.css").read_text(encoding="utf-8") + body
     # `<` would end the script element, whatever stands around it.
     yield json.dumps(data, ensure_ascii=False, separators=(",", ":"))[:-1].replace("<", "\\u003c")
     yield ',"bytes":"'

@@ -1,6 +1,6 @@
 """Drawings of failures as inline SVG: FAP curves, meshes. Made of numbers only, so that there is nothing to escape.
 
-Rules: CNF-17, CNF-18. Colours are classes of `report.css`, for light and dark.
+Rules: CNF-17, CNF-18. Colours are classes of `report.css`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,9 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
+from snhc.analyzer.pages import svg_number as _n
+from snhc.analyzer.pages import svg_path
+
 _WIDTH: Final = 860
 _HEIGHT: Final = 260
 _LEFT: Final = 76
@@ -18,10 +21,6 @@ _BOTTOM: Final = 34
 _RIGHT: Final = 14
 _MESH: Final = 520
 _MARGIN: Final = 28
-
-
-def _n(value: float) -> str:
-    return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
 def curve(data: Mapping[str, Any]) -> Markup:
@@ -56,7 +55,7 @@ def curve(data: Mapping[str, Any]) -> Markup:
     fault = _n(x(frame - first))
     parts.append(f'<line class="fault" x1="{fault}" x2="{fault}" y1="{_TOP}" y2="{_HEIGHT - _BOTTOM}"/>')
     for name, values in series.items():
-        path = _path([None if v is None else (x(i), y(v)) for i, v in enumerate(values)])
+        path = svg_path([None if v is None else (x(i), y(v)) for i, v in enumerate(values)])
         parts.append(f'<path class="{name}" d="{path}"/>')
         if len(values) <= 40:
             parts += [
@@ -66,19 +65,6 @@ def curve(data: Mapping[str, Any]) -> Markup:
             ]
     parts.append(f'<text class="tick middle" x="{_n((_LEFT + _WIDTH) / 2)}" y="{_HEIGHT - 2}">frame</text></svg>')
     return Markup("".join(parts))
-
-
-def _path(points: Iterable[tuple[float, float] | None]) -> str:
-    """Unset values are gaps."""
-    out: list[str] = []
-    pen = "M"
-    for point in points:
-        if point is None:
-            pen = "M"
-        else:
-            out.append(f"{pen}{_n(point[0])} {_n(point[1])}")
-            pen = "L"
-    return "".join(out)
 
 
 def _ticks(low: float, high: float, about: int) -> list[float]:

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from markupsafe import Markup
 
+from snhc.analyzer.pages import base_css
 from snhc.conformance.compare import BAD, STATUSES
 from snhc.conformance.results import Report, Result
 from snhc.reference_impl.rules import Rule, rules
@@ -42,7 +43,7 @@ def text(report: Report) -> str:
         finalize=_shown,
     )
     environment.filters["printable"] = printable
-    style = (_HERE / "report.css").read_text(encoding="utf-8")
+    style = base_css() + (_HERE / "report.css").read_text(encoding="utf-8")
     script = (_HERE / "report.js").read_text(encoding="utf-8")
     told = [result for result in report.results if result.status in BAD or result.status == "xfail"]
     pages = {result.key: number for number, result in enumerate(told)}

@@ -49,7 +49,7 @@ class FaceColumns:
         self.baps: dict[int, dict[int, int]] = {}
 
     def add(self, frame: FaceFrame) -> None:
-        """Append one frame. Rules: CNF-1. Raises OverflowError for a number beyond 64 bits, and appends nothing then."""
+        """Append one frame. Rules: CNF-1. Raises OverflowError for more than 64 bits, and appends nothing then."""
         # Exact times need more bits with every change of the rate.
         time = array("q", frame.time)
         values: list[int] = []

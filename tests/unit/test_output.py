@@ -69,7 +69,7 @@ def test_a_time_that_an_archive_cannot_hold_is_an_error_and_what_was_before_it_i
     pieces: list[bytes] = []
     writer = NpzWriter(pieces.append)
     writer.begin("fba")
-    with pytest.raises(EncodeError, match="npz: frame [0-9]+.*64 bits"):
+    with pytest.raises(EncodeError, match=r"npz: frame [0-9]+.*64 bits"):
         for frame in frames:
             writer.frame(frame)
     writer.end()

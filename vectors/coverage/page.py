@@ -11,6 +11,8 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
+from snhc.analyzer.pages import base_css
+
 from .book import Book, Share
 from .cells import KINDS
 
@@ -21,6 +23,7 @@ def page(book: Book) -> str:
     """The whole page. Rules: CNF-8."""
     whole = book.share()
     parts = {
+        "BASE": base_css(),
         "SUITE": escape(book.suite),
         "VECTORS": str(len(book.vectors)),
         "COVERED": str(whole.covered),

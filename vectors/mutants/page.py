@@ -9,19 +9,20 @@ from collections.abc import Iterator
 from html import escape
 from typing import Final
 
+from snhc.analyzer.pages import base_css
+
 from .matrix import HOW, Line, Matrix
 from .text import TOPIC_NAMES, WAYS
 
 _STYLE: Final = """
-:root { color-scheme: light dark; --line: #8884; --good: #2a7d3f; --told: #a06a00; --bad: #b3261e; }
-body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 78rem; padding: 0 1rem; }
+body { margin: 2rem auto; max-width: 78rem; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2.2rem; }
-table { border-collapse: collapse; width: 100%; }
+table { width: 100%; }
 th, td { text-align: left; vertical-align: top; padding: .35rem .6rem; border-bottom: 1px solid var(--line); }
 th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
-code { font: .88em ui-monospace, monospace; overflow-wrap: anywhere; }
-small { opacity: .75; } details > summary { cursor: pointer; }
-.killed { color: var(--good); } .told { color: var(--told); } .survives { color: var(--bad); }
+code { font-size: .88em; overflow-wrap: anywhere; }
+small { color: var(--soft); } details > summary { cursor: pointer; }
+.killed { color: var(--good); } .told { color: var(--warn); } .survives { color: var(--bad); }
 input { font: inherit; padding: .35rem .6rem; width: 24rem; max-width: 100%; margin: .6rem 0; }
 .c1 { width: 46%; } .c2 { width: 10rem; }
 """
@@ -41,7 +42,7 @@ def page(matrix: Matrix) -> Iterator[str]:
     """The file, piece by piece. Rules: CNF-8."""
     yield "<!doctype html>\n<html lang='en'>\n<meta charset='utf-8'>\n"
     yield "<meta name='viewport' content='width=device-width, initial-scale=1'>\n<title>snhc kill matrix</title>\n"
-    yield f"<style>{_STYLE}</style>\n<h1>Kill matrix of suite {escape(matrix.suite)}</h1>\n"
+    yield f"<style>{base_css()}{_STYLE}</style>\n<h1>Kill matrix of suite {escape(matrix.suite)}</h1>\n"
     yield (
         f"<p>{len(matrix.lines)} mistakes of implementers, put into the reference decoder one at a time, against "
         f"{len(matrix.vectors)} vectors. <b class='killed'>Killed</b>: a vector fails. <b class='told'>Told apart</b>: "
