@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import Common, Output, common_options, open_binary
+from .common import Common, InputPath, Output, common_options, open_binary
 
 if TYPE_CHECKING:
     from snhc.analyzer.policy import Policy
@@ -56,7 +56,7 @@ def parse_profile(value: str | None) -> ProfileLevel | str | None:
     help="Hold a stream against a profile and level, e.g. simple-face@L1; `signalled`: those that it signals.",
 )  # fmt: skip
 @click.option(
-    "--policy", "policies", type=click.Path(exists=True, dir_okay=False, path_type=Path), multiple=True,
+    "--policy", "policies", type=InputPath(), multiple=True,
     metavar="FILE", help="Rules of your own for streams (TOML). Repeatable.",
 )  # fmt: skip
 @click.option("--object", "object_number", type=click.IntRange(min=0), default=0, metavar="N", help="Which object.")

@@ -5,9 +5,12 @@ Rules: CNF-19, CNF-23, CNF-24, CNF-25, CNF-26.
 
 from __future__ import annotations
 
+import errno
 import functools
 import json
+import os
 import re
+import stat
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path, PurePath
@@ -26,9 +29,9 @@ if TYPE_CHECKING:
     from snhc.reference_impl.systems.stream import Options
 
 __all__ = [
-    "REPORT_FORMATS", "REPORT_SUFFIXES", "Common", "FindingReport", "Output", "colour_allowed", "common_options",
-    "format_of", "near", "open_binary",
-    "open_input", "parse_limits", "parse_planes", "parse_readings", "progress",
+    "REPORT_FORMATS", "REPORT_SUFFIXES", "Common", "FindingReport", "InputPath", "Output", "colour_allowed",
+    "common_options", "format_of", "near", "open_binary", "open_input", "parse_limits", "parse_planes",
+    "parse_readings", "progress",
 ]  # fmt: skip
 
 # Of reports; here, so that the help of a verb imports no report.
@@ -115,6 +118,30 @@ class Common:
         from snhc.reference_impl.entropy.profile import load_profile
 
         return load_profile(Path(self.dct_tables))
+
+
+if TYPE_CHECKING:
+    _ToPath = click.ParamType[Path]
+else:
+    # Of older versions of click it cannot be asked what it converts to.
+    _ToPath = click.ParamType
+
+
+class InputPath(_ToPath):
+    """A file, or a folder, that has to be there. Rules: CNF-19. One that is not is a fault of input, not of usage."""
+
+    name = "path"
+
+    def __init__(self, folder: bool = False) -> None:
+        self._folder = folder
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        path = Path(value)
+        is_folder = stat.S_ISDIR(path.stat().st_mode)
+        if is_folder != self._folder:
+            code = errno.EISDIR if is_folder else errno.ENOTDIR
+            raise OSError(code, os.strerror(code), str(path))
+        return path
 
 
 # -- options -----------------------------------------------------------------------------------------------------------

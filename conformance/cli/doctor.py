@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from .common import Common, Output, colour_allowed, common_options, format_of
+from .common import Common, InputPath, Output, colour_allowed, common_options, format_of
 
 if TYPE_CHECKING:
     from snhc.conformance.diagnosis import Diagnosis
@@ -29,7 +29,7 @@ _VERDICTS: Final = {
 @click.command()
 @click.argument("adapter")
 @click.option(
-    "--suite", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="DIR",
+    "--suite", type=InputPath(folder=True), metavar="DIR",
     help="Folder of the suite; the one of this installation if not given.",
 )  # fmt: skip
 @click.option("--format", "given", type=click.Choice(["terminal", "json"]), help="Of the report.")

@@ -55,6 +55,7 @@ def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> No
 
     invocation = Invocation()
     ctx.obj = invocation
+    words = tuple(ctx.args)
     try:
         invoke(ctx)
         invocation.close()
@@ -63,7 +64,14 @@ def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> No
     except click.exceptions.Exit as error:
         invocation.close()
         code = error.exit_code
-    except (click.ClickException, click.Abort):
+    except click.ClickException as error:
+        # A verb's options may not have been read yet when one of them is wrong.
+        if not (invocation.json_errors or "--json-errors" in words):
+            raise
+        invocation.json_errors = True
+        invocation.fail(error, _usage_fields(error))
+        code = error.exit_code
+    except click.Abort:
         raise
     except SnhcError as error:
         invocation.fail(error, error.as_json())
@@ -78,10 +86,27 @@ def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> No
 
             traceback.print_exc()
         message = f"internal error: {type(error).__name__}: {error}; please report it (SNHC_DEBUG=1 shows where)"
-        invocation.fail(message, {"class": "Internal", "rule": "CNF-19", "message": one_line(message)})
+        invocation.fail(message, _fields("Internal", "", message))
         code = INTERNAL
     _settle_stdout()
     ctx.exit(code)
+
+
+def _usage_fields(error: click.ClickException) -> dict[str, object]:
+    parameter = getattr(error, "param", None)
+    named = ""
+    if isinstance(parameter, click.Option):
+        named = parameter.opts[0]
+    elif isinstance(parameter, click.Parameter):
+        named = parameter.human_readable_name
+    return _fields("Usage", str(getattr(error, "param_hint", None) or named), error.format_message())
+
+
+def _fields(kind: str, element: str, message: str) -> dict[str, object]:
+    """What is printed for faults that are none of an input. Rules: CNF-19."""
+    return {
+        "class": kind, "rule": "CNF-19", "element": element, "value": None, "allowed": "", "message": one_line(message),
+    }  # fmt: skip
 
 
 def _system_error(invocation: Invocation, error: OSError) -> int:
@@ -90,11 +115,7 @@ def _system_error(invocation: Invocation, error: OSError) -> int:
     name = error.filename if isinstance(error.filename, str) else ""
     text = error.strerror or str(error)
     message = f"{name}: {text}" if name else text
-    fields: dict[str, object] = {
-        "class": "InputOutput", "rule": "CNF-19", "element": name, "value": None, "allowed": "",
-        "message": one_line(message),
-    }  # fmt: skip
-    invocation.fail(message, fields)
+    invocation.fail(message, _fields("InputOutput", name, message))
     return INPUT_OUTPUT
 
 

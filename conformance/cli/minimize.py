@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .common import Common, Output, common_options, progress
+from .common import Common, InputPath, Output, common_options, progress
 
 if TYPE_CHECKING:
     from snhc.conformance.adapters import Adapter
@@ -26,11 +26,11 @@ DUMP_LINES = 60
 @click.argument("adapter")
 @click.argument("vector", metavar="VECTOR|FILE")
 @click.option(
-    "--aux", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="FRAMES",
+    "--aux", type=InputPath(), metavar="FRAMES",
     help="The frames that FILE, a table, is used on.",
 )  # fmt: skip
 @click.option(
-    "--suite", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="DIR",
+    "--suite", type=InputPath(folder=True), metavar="DIR",
     help="Folder of the suite that VECTOR is of; the one of this installation if not given.",
 )  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0.01), help="Seconds per run of the decoder.")

@@ -9,7 +9,16 @@ from pathlib import Path
 
 import click
 
-from .common import REPORT_FORMATS, REPORT_SUFFIXES, Common, Output, colour_allowed, common_options, format_of
+from .common import (
+    REPORT_FORMATS,
+    REPORT_SUFFIXES,
+    Common,
+    InputPath,
+    Output,
+    colour_allowed,
+    common_options,
+    format_of,
+)
 
 
 @click.command()
@@ -17,7 +26,7 @@ from .common import REPORT_FORMATS, REPORT_SUFFIXES, Common, Output, colour_allo
     "results",
     nargs=-1,
     required=True,
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=InputPath(),
     metavar="RESULTS...",
 )
 @click.option("--format", "given", type=click.Choice(REPORT_FORMATS), help="By the extension of -o, else terminal.")

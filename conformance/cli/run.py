@@ -18,6 +18,7 @@ from .common import (
     REPORT_FORMATS,
     REPORT_SUFFIXES,
     Common,
+    InputPath,
     Output,
     colour_allowed,
     common_options,
@@ -60,7 +61,7 @@ def _shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Sha
 )  # fmt: skip
 @click.option("--timeout", type=click.FloatRange(min=0.01), help="Seconds per vector, for all adapters.")
 @click.option(
-    "--suite", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="DIR",
+    "--suite", type=InputPath(folder=True), metavar="DIR",
     help="Folder of the suite; the one of this installation if not given.",
 )  # fmt: skip
 @click.option(
@@ -80,7 +81,7 @@ def _shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Sha
     help="The journal of an interrupted run: go on with it. Is made if it is not there.",
 )  # fmt: skip
 @click.option(
-    "--ledger", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="FILE",
+    "--ledger", type=InputPath(), metavar="FILE",
     help="Known failures (TOML).",
 )  # fmt: skip
 @click.option(
@@ -88,7 +89,7 @@ def _shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Sha
     help="Write a ledger of the failures that none excuses; links are left to fill in.",
 )  # fmt: skip
 @click.option(
-    "--traces", type=click.Path(exists=True, file_okay=False, path_type=Path), metavar="DIR",
+    "--traces", type=InputPath(folder=True), metavar="DIR",
     help="The decoder's own traces, VECTOR.json in the form of `snhc dump --format json`.",
 )  # fmt: skip
 @click.option("--format", "given", type=click.Choice(REPORT_FORMATS), help="Of the report.")
@@ -164,6 +165,11 @@ def command(
     with Output(common.output, common.keep_partial) as out:
         out.write(render(report, style, colour=colour_allowed(out.is_terminal)))
     sys.stdout.flush()
+    if common.output not in (None, "-") and not common.quiet and not common.json_errors:
+        # The report says it too, but nobody looks into a file to learn whether there is anything to look for.
+        from snhc.conformance.reports.terminal import verdict_text
+
+        click.echo(verdict_text(report, colour=colour_allowed(sys.stderr.isatty())), err=True, nl=False)
     if draft_ledger is not None:
         draft_ledger.write_text(ledgers.draft(report.results, date.today()), encoding="utf-8")
     if journal is not None:

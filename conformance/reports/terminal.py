@@ -48,6 +48,23 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
         _table(console, report, name)
     if len(report.adapters) > 1:
         _matrix(console, report)
+    _verdicts(console, report)
+    return buffer.getvalue()
+
+
+def verdict_text(report: Report, *, colour: bool = False) -> str:
+    """The verdicts alone, a line for each decoder: what people see of a report that goes to a file.
+
+    Rules: CNF-15, CNF-18.
+    """
+    from rich.console import Console
+
+    buffer = io.StringIO()
+    _verdicts(Console(file=buffer, force_terminal=colour, no_color=not colour, highlight=False, soft_wrap=True), report)
+    return buffer.getvalue()
+
+
+def _verdicts(console: Console, report: Report) -> None:
     for line in remarks(report):
         console.print(line, style="bold red" if not report.results else "yellow", markup=False)
     for name in report.adapters:
@@ -55,7 +72,6 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
         console.print(f"{printable(name)}: ", style="bold", end="", markup=False)
         console.print("pass" if passed else "FAIL", style="bold green" if passed else "bold red", end="")
         console.print(f" ({numbers(report, name)}; suite {report.suite})", markup=False)
-    return buffer.getvalue()
 
 
 def _failure(console: Console, result: Result) -> None:

@@ -22,6 +22,8 @@ from snhc.reference_impl.bitstream.errors import InputFormat
 
 FORMAT: Final = "snhc-journal"
 VERSION: Final = 1
+# What a journal begins with; a kill may leave less of it.
+_START: Final = json.dumps({"format": FORMAT, "version": VERSION})[:-1].encode()
 
 
 def fingerprint(adapter: Adapter) -> str:
@@ -91,14 +93,17 @@ class Journal:
     def _read(self, run: Mapping[str, Any]) -> None:
         text = self.path.read_bytes()
         whole = text.rfind(b"\n") + 1
+        lines = text[:whole].splitlines()
+        # Nothing is cut off or written before it is sure that the file is a journal: it may be a user's only copy.
+        head = self._parsed(lines[0], 1) if lines else None
+        if head is None and text and not _START.startswith(text[: len(_START)]):
+            raise self._foreign()
+        if head is not None and (head.get("format") != FORMAT or head.get("version") != VERSION):
+            raise self._foreign()
         if whole < len(text):
             os.ftruncate(self._file, whole)
-        lines = text[:whole].splitlines()
-        if not lines:
+        if head is None:
             return
-        head = self._parsed(lines[0], 1)
-        if head.get("format") != FORMAT or head.get("version") != VERSION:
-            raise InputFormat("CNF-20", "journal", value=str(self.path), allowed=f"a {FORMAT} of version {VERSION}")
         for name, words in _NAMES.items():
             if head.get(name) != run[name]:
                 raise InputFormat("CNF-20", "journal", value=f"of another {words}", allowed="the journal of this run")
@@ -108,6 +113,9 @@ class Journal:
             except (KeyError, TypeError, AttributeError, IndexError) as error:
                 raise InputFormat("CNF-20", f"journal line {number}", value=str(error), allowed="a result") from error
             self.done[result.key] = result
+
+    def _foreign(self) -> InputFormat:
+        return InputFormat("CNF-20", "journal", value=str(self.path), allowed=f"a {FORMAT} of version {VERSION}")
 
     @staticmethod
     def _parsed(line: bytes, number: int) -> dict[str, Any]:

@@ -125,6 +125,45 @@ def test_json_errors() -> None:
     assert json.loads(missing.stderr)["class"] == "InputOutput"
 
 
+@pytest.mark.parametrize(
+    ("words", "element", "code"),
+    [
+        (["decode", "-", "--nframes", "0"], "--nframes", 2),
+        (["decode"], "FILE", 2),
+        (["decode", "-", "--nonsense"], "", 2),
+        (["nonsense"], "", 2),
+        (["run", "--filter", "=x"], "--filter", 2),
+        (["check", __file__, "--profile", "x"], "--profile", 2),
+    ],
+)
+def test_errors_of_usage_are_json_too(words: list[str], element: str, code: int) -> None:
+    result = run(*words, "--json-errors")
+    error = json.loads(result.stderr)
+    assert list(error) == ["class", "rule", "element", "value", "allowed", "message"]
+    assert (result.exit_code, error["class"], error["element"]) == (code, "Usage", element)
+    assert error["message"] and result.stdout == ""
+    plain = run(*[word for word in words if word != "--json-errors"])
+    assert plain.exit_code == code and plain.stderr.splitlines()[-1] == f"Error: {error['message']}"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check", "-", "--policy"], ["report"], ["run", "--ledger"], ["run", "--suite"], ["run", "--traces"],
+        ["doctor", "x.toml", "--suite"], ["minimize", "snhc", "x", "--aux"], ["minimize", "snhc", "x", "--suite"],
+    ],
+)  # fmt: skip
+def test_files_that_are_not_there_are_input_for_every_verb(words: list[str], tmp_path: Path) -> None:
+    wrong = tmp_path
+    if words[-1] in ("--suite", "--traces"):
+        wrong = tmp_path / "file"
+        wrong.write_bytes(b"x")
+    for name in (tmp_path / "none", wrong):
+        result = run(*words, str(name), "--json-errors", stdin=WORKED)
+        error = json.loads(result.stderr)
+        assert (result.exit_code, error["class"], error["element"]) == (3, "InputOutput", str(name))
+
+
 def test_strict_and_trailing_bytes() -> None:
     assert run("decode", "-", stdin=WORKED + b"\x80").exit_code == 0
     strict = run("decode", "-", "--strict", stdin=WORKED + b"\x80")

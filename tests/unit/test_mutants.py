@@ -337,7 +337,7 @@ def test_a_matrix_is_read_as_it_was_written(tmp_path: Path, matrix: Matrix) -> N
         again = load_matrix(path)
         assert again == m
         assert again.text() == m.text()
-    for text in ("", "[]", '{"format": "other"}', '{"format": "snhc-kill-matrix", "version": 2}'):
+    for text in ("", "[]", '{"format": "other"}', '{"format": "snhc-kill-matrix", "version": 2}', "[" * 100_000):
         path.write_text(text)
         with pytest.raises(InputFormat, match="CNF-8"):
             load_matrix(path)

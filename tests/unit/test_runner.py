@@ -6,6 +6,7 @@ Rules: CNF-9, CNF-13, CNF-14, CNF-15, CNF-16, CNF-17, CNF-19.
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -347,8 +348,12 @@ def test_an_adapter_file_that_is_missing_is_an_input_error() -> None:
 def test_the_report_goes_to_a_file_in_the_format_of_its_name(tmp_path: Path) -> None:
     path = tmp_path / "report.json"
     result = CliRunner().invoke(run_command, ["--filter", VALID, "-o", str(path)])
-    assert (result.exit_code, result.output) == (0, "")
+    # The verdict is told to people all the same.
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert re.fullmatch(r"snhc: pass \(1 pass; suite \d+\.\d+\.\d+\)\n", result.stderr)
     assert json.loads(path.read_text())["format"] == "snhc-report"
+    quiet = CliRunner().invoke(run_command, ["--filter", VALID, "-o", str(path), "--quiet"])
+    assert (quiet.exit_code, quiet.output) == (0, "")
 
 
 def test_generate_check_names_the_file_and_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -212,12 +212,28 @@ def test_a_program_that_has_changed_is_another_decoder(tmp_path: Path) -> None:
     assert fingerprint(adapter) != before
 
 
-@pytest.mark.parametrize("text", [b"\n", b"[]\n", b"{}\n", b'{"format": "snhc-journal", "version": 2}\n', b"\xff\n"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"\n", b"[]\n", b"{}\n", b'{"format": "snhc-journal", "version": 2}\n', b"\xff\n",
+        # Without a line end, or with a last line that has none: a file that somebody wrote, not what a kill left.
+        b"my notes", b"[", b"[1,\n2]", b'{"format": "snhc-report", "version": 1}\n{"a"',
+    ],
+)  # fmt: skip
 def test_what_is_no_journal_is_refused(tmp_path: Path, text: bytes) -> None:
     (tmp_path / "j").write_bytes(text)
     with pytest.raises(InputFormat):
         _run(tmp_path, True)
     assert (tmp_path / "j").read_bytes() == text
+
+
+@pytest.mark.parametrize("size", [0, 1, 20, 60])
+def test_a_journal_that_was_cut_in_its_first_line_begins_anew(tmp_path: Path, size: int) -> None:
+    with pytest.raises(Stopped):
+        _run(tmp_path, False, progress=_stop_after(1))
+    path = tmp_path / "j"
+    path.write_bytes(path.read_bytes()[:size])
+    assert _run(tmp_path, True).results
 
 
 def test_a_journal_belongs_to_one_run_at_a_time(tmp_path: Path) -> None:

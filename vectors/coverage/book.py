@@ -196,7 +196,7 @@ def load_book(path: Path = BOOK_FILE) -> Book:
     """Read a book. Rules: CNF-8. Raises InputFormat for one that is missing or out of form."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputFormat("CNF-8", "coverage book", value=str(error), allowed="a readable book.json") from error
     validate(document)
     vectors = document["vectors"]

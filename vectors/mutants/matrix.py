@@ -180,7 +180,7 @@ def load_matrix(path: Path = MATRIX) -> Matrix:
                 for row in document["mutants"]
             ),
         )  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputFormat("CNF-8", "kill matrix", value=str(path), allowed=f"{FORMAT} {VERSION}: {error}") from error
 
 
