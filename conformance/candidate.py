@@ -21,7 +21,8 @@ from snhc.reference_impl.systems.output import CSV_COLUMNS
 Frame = Mapping[str, Any]
 
 _FAPS: Final = 68
-_TIME: Final = re.compile(r"-?[0-9]{1,30}/[1-9][0-9]{0,30}")
+# Exact times of a stream that goes through every frame rate have some 1,800 digits.
+_TIME: Final = re.compile(r"-?[0-9]{1,2000}/[1-9][0-9]{0,2000}")
 _STATE: Final = re.compile(r"[TRIUFS]{68}")
 _INTEGER: Final = re.compile(r"-?[0-9]{1,20}")
 

@@ -7,14 +7,16 @@ import io
 import numpy as np
 import pytest
 
+from snhc.conformance.candidate import ndjson
 from snhc.reference_impl.bitstream.errors import EncodeError
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.face.syntax import new_plane
 from snhc.reference_impl.mesh.records import MeshFrame
 from snhc.reference_impl.systems.output import FapFrames, NpzWriter
-from snhc.reference_impl.systems.stream import decode_frames, write_stream
+from snhc.reference_impl.systems.stream import Options, decode_frames, write_stream
 from snhc.vectors.builders import intra, stream
+from snhc.vectors.decoding import decode_input
 
 
 def plane_of(mask: int, *, skipped: int = 0, rate: int = 0, baps: dict[int, int] | None = None) -> FbaPlane:
@@ -66,6 +68,11 @@ def test_a_time_that_an_archive_cannot_hold_is_an_error_and_what_was_before_it_i
     frames = list(decode_frames(data))
     assert len(rates) == 12
     assert frames[-1].time[1] >= 1 << 63
+    # What prints such times is judged as any other decoder.
+    every = write_stream(stream(*(intra({3: 1}, rate=(rate, 0, 0)) for rate in range(1, 256))))
+    decoded = decode_input("fba", every, None, Options())
+    assert len(str(list(decode_frames(every))[-1].time[1])) > 31
+    assert len(ndjson(decoded.text.encode())) == 255
     pieces: list[bytes] = []
     writer = NpzWriter(pieces.append)
     writer.begin("fba")
