@@ -41,6 +41,8 @@ def _one(name: str, runs: int, folder: Path, plain: bool, seed: int, seconds: in
     done = re.search(r"Done (\d+) (?:runs )?in", text)
     if done is not None:
         found["inputs"] = int(done[1])
+    if not plain and not code and " cov: " not in text:
+        found["finding"] = "no guidance: the package is not instrumented (is it compiled?)"
     if code:
         inputs = [path.name for path in folder.glob(f"{name}-*")]
         found["finding"] = found.get("finding") or f"ended with {code}"
