@@ -141,7 +141,7 @@ def test_the_verb(tmp_path: Path) -> None:
         "policy.quantiser", "policy.quantiser", "policy.has-time-code",
     ]  # fmt: skip
     assert run(text, "--policy", policy).exit_code == 2
-    assert run(data, "--policy", tmp_path / "gone").exit_code == 2
+    assert run(data, "--policy", tmp_path / "gone").exit_code == 3
 
 
 def test_the_policy_of_the_docs_is_one(tmp_path: Path) -> None:
