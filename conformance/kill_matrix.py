@@ -319,8 +319,11 @@ class _Worker:
             except (TimeoutError, EOFError):
                 self.close()
                 self._start()
+                if not now:
+                    raise RuntimeError(f"{mutant.id}: the worker ended before its first vector") from None
                 kills.append(Kill(now, "timeout", "the process had to be killed"))
-                left = left[left.index(now) + 1 :]
+                # What the process had found went with it: all others are asked again.
+                left = [id for id in left if id != now]
                 if stop or len(kills) == TIMEOUTS or not left:
                     return Found(mutant.id, tuple(kills), time.monotonic() - started)
                 continue

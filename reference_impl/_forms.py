@@ -16,13 +16,13 @@ from types import ModuleType
 
 
 class _PureFinder:
-    """Finds the modules of the codec by their source, whatever has been compiled beside it.."""
+    """Finds the modules of the codec by their source, whatever has been compiled beside it."""
 
     @classmethod
     def find_spec(
         cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The spec of a module's source; None for modules elsewhere.."""
+        """The spec of a module's source; None for modules elsewhere."""
         if not name.startswith(f"{__package__}."):
             return None
         spec = PathFinder.find_spec(name, path, target)
