@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from snhc.reference_impl.rules import AREAS, CONFIDENCES, Rule, ambiguities, findings, rules
 from snhc.vectors import catalogue
@@ -153,25 +153,45 @@ def _ambiguities() -> str:
     return "\n".join(lines)
 
 
+def _manner(campaign: dict[str, Any]) -> str:
+    how = "guided" if campaign["guided"] else "unguided"
+    return how + ", address sanitizer" if campaign["sanitizer"] else how
+
+
 def _fuzzing() -> str:
     """The campaigns on record, the newest first: `tests/fuzz/last.json`."""
     record = Path(__file__).parents[1] / "tests" / "fuzz" / "last.json"
     if not record.exists():
         return "No campaign is on record.\n"
-    lines = ["## What was run", ""]
-    for campaign in reversed(json.loads(record.read_text(encoding="utf-8"))):
-        how = "guided" if campaign["guided"] else "unguided"
-        how += ", address sanitizer" if campaign["sanitizer"] else ""
+    campaigns = json.loads(record.read_text(encoding="utf-8"))
+    lines = [
+        "## What was run", "", "| form | how | campaigns | inputs | findings | slowest, of what an input may take |",
+        "|---|---|---|---|---|---|",
+    ]  # fmt: skip
+    for form, how in dict.fromkeys((one["form"], _manner(one)) for one in campaigns):
+        same = [one for one in campaigns if (one["form"], _manner(one)) == (form, how)]
+        targets = [target for one in same for target in one["targets"]]
+        worst = max(10 * target.get("ratio", 0) for target in targets)
+        lines.append(
+            f"| {form} | {how} | {len(same)} | {sum(one['inputs'] for one in same):,} "
+            f"| {sum(1 for target in targets if target.get('finding'))} | {worst:.1f} % |"
+        )
+    lines.append("")
+    for campaign in reversed(campaigns):
+        at = f", at commit {campaign['commit']}" if campaign.get("commit") else ""
         lines += [
-            f"### {campaign['date']}: {campaign['form']} form, {how}", "",
-            f"{campaign['inputs']:,} inputs in {campaign['seconds']:,} s on {campaign['cores']} cores.", "",
-            "| target | inputs | slowest input, ms | of what ten times a valid input may take | finding |",
-            "|---|---|---|---|---|",
+            f"### {campaign['date']}: {campaign['form']} form, {_manner(campaign)}", "",
+            f"{campaign['inputs']:,} inputs in {campaign['seconds']:,} s on {campaign['cores']} cores{at}.", "",
+            "| target | inputs | slowest input, ms | of what an input may take | peak memory, MB | finding |",
+            "|---|---|---|---|---|---|",
         ]  # fmt: skip
         for one in campaign["targets"]:
             share = f"{10 * one.get('ratio', 0):.1f} %"
             finding = _plain(one.get("finding", "")) or "none"
-            lines.append(f"| {one['target']} | {one['inputs']:,} | {one.get('slowest_ms', 0)} | {share} | {finding} |")
+            lines.append(
+                f"| {one['target']} | {one['inputs']:,} | {one.get('slowest_ms', 0)} | {share} "
+                f"| {one.get('peak_mb', 'not measured')} | {finding} |"
+            )
         lines.append("")
     return "\n".join(lines)
 

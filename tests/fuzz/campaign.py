@@ -51,6 +51,15 @@ def _one(name: str, runs: int, folder: Path, plain: bool, seed: int, seconds: in
     return found
 
 
+def _commit() -> str:
+    """The state of the sources that the campaign ran on, `+` where files were changed; empty outside a checkout."""
+    told = subprocess.run(
+        ["git", "-C", str(HERE), "describe", "--always", "--dirty=+", "--exclude=*"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return told.stdout.strip() if not told.returncode else ""
+
+
 def main() -> int:
     from targets import TARGETS
 
@@ -97,8 +106,8 @@ def main() -> int:
             one.pop("input", None)
         old.append({
             "date": datetime.now(UTC).date().isoformat(), "form": form.rpartition("(")[2].rstrip(")"),
-            "guided": not options.plain, "inputs": inputs, "seconds": seconds, "cores": os.cpu_count(),
-            "sanitizer": "asan" in os.environ.get("LD_PRELOAD", ""), "targets": found,
+            "commit": _commit(), "guided": not options.plain, "inputs": inputs, "seconds": seconds,
+            "cores": os.cpu_count(), "sanitizer": "asan" in os.environ.get("LD_PRELOAD", ""), "targets": found,
         })  # fmt: skip
         options.results.write_text(json.dumps(old, indent=1) + "\n")
     return 1 if bad else 0

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
+import resource
 import sys
 import tempfile
 import time
@@ -23,10 +25,22 @@ sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent)]
 # What an input may cost at the least before it is called slow: a clock has its own grain.
 GRAIN = 0.05
 TIMES = 10
+SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
+# What a process may hold in all, by far the largest part of it the fuzzer and the seeds.
+MOST_MB = 1024
 
 
 class Slow(Exception):
     """An input took more than TIMES the time of valid ones of its size."""
+
+
+class Large(Exception):
+    """An input took more memory than all limits together allow."""
+
+
+def peak_mb() -> float:
+    """The largest resident set of this process so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 class Meter:
@@ -59,6 +73,9 @@ class Meter:
             if spent > TIMES * allowed:
                 raise Slow(f"{spent:.3f} s for {len(data)} bytes; valid inputs of this size take {allowed:.4f} s")
         self.ratio = max(self.ratio, spent / allowed)
+        # Under the address sanitizer nothing that is freed goes back for a while.
+        if not SANITIZED and peak_mb() > MOST_MB:
+            raise Large(f"{peak_mb():.0f} MB after {len(data)} bytes; at most {MOST_MB} are allowed")
 
 
 def main() -> int:
@@ -88,7 +105,7 @@ def main() -> int:
                     {
                         "target": target.name, "inputs": meter.inputs, "seconds": round(spent, 1),
                         "slowest_ms": round(1000 * meter.slowest, 1), "ratio": round(meter.ratio, 2), "finding": found,
-                        "guided": not options.plain,
+                        "guided": not options.plain, "peak_mb": round(peak_mb()),
                     }
                 )
             )  # fmt: skip
