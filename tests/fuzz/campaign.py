@@ -13,6 +13,7 @@ import argparse
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -35,7 +36,9 @@ def _one(name: str, runs: int, folder: Path, plain: bool, seed: int, seconds: in
     if not plain:
         words.append(f"-max_total_time={seconds}")
     with (folder / f"{name}.txt").open("wb") as said:
-        code = subprocess.run(words, stdout=said, stderr=subprocess.STDOUT, check=False).returncode
+        # The fuzzer ends its process without a word to Python: what it leaves lies where all goes at the end.
+        environment = {**os.environ, "TMPDIR": str(folder)}
+        code = subprocess.run(words, stdout=said, stderr=subprocess.STDOUT, check=False, env=environment).returncode
     text = (folder / f"{name}.txt").read_text(encoding="utf-8", errors="replace")
     found: dict[str, Any] = json.loads(report.read_text()) if report.exists() else {"target": name, "inputs": 0}
     done = re.search(r"Done (\d+) (?:runs )?in", text)
@@ -110,6 +113,8 @@ def main() -> int:
             "cores": os.cpu_count(), "sanitizer": "asan" in os.environ.get("LD_PRELOAD", ""), "targets": found,
         })  # fmt: skip
         options.results.write_text(json.dumps(old, indent=1) + "\n")
+    if not bad:
+        shutil.rmtree(folder)
     return 1 if bad else 0
 
 
