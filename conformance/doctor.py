@@ -11,7 +11,6 @@ import contextlib
 import json
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
@@ -26,6 +25,7 @@ from .candidate import Malformed, csv_rows, fap_text, ndjson
 from .compare import judge, said
 from .diagnosis import DECODER, NOT_RUN, NOTE, OK, WRONG, Diagnosis, Step
 from .process import resolved
+from .scratch import scratch
 
 
 def examine(word: str, manifest: Manifest, suite: Path = SUITE) -> Diagnosis:
@@ -495,7 +495,7 @@ def _first_invalid(entries: list[Entry], suite: Path) -> Entry:
 
 @contextlib.contextmanager
 def _empty(name: str) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="snhc-") as folder:
-        path = Path(folder) / name
+    with scratch() as folder:
+        path = folder / name
         path.write_bytes(b"")
         yield path

@@ -32,6 +32,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, Final
 
+from .scratch import Scratch
+
 _CHUNK: Final = 1 << 16
 # How long what a program wrote before it ended may take to arrive.
 _DRAIN: Final = 1.0
@@ -107,14 +109,16 @@ class Warden:
     """One warden process. Rules: CNF-14. Not to be used by two threads at the same time."""
 
     def __init__(self, writable: Sequence[str] = ()) -> None:
-        self.root = Path(tempfile.mkdtemp(prefix="snhc-"))
+        self._scratch = Scratch()
+        self.root = self._scratch.path
         self.control, theirs = socket.socketpair()
         self._pending = b""
         with theirs:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-S", str(_WARDEN), str(theirs.fileno()), str(self.root), *writable],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=(theirs.fileno(),),
-                start_new_session=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                # With the lock: the folder is in use until the warden is gone too.
+                pass_fds=(theirs.fileno(), self._scratch.lock), start_new_session=True,
             )  # fmt: skip
         try:
             self.fenced = bool(self.hear()["fenced"])
@@ -180,7 +184,7 @@ class Warden:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        shutil.rmtree(self.root, ignore_errors=True)
+        self._scratch.close()
 
 
 _idle: dict[tuple[int, tuple[str, ...]], list[Warden]] = {}

@@ -6,8 +6,9 @@ import signal
 
 
 def hears_interrupts() -> None:
-    """In a child before its program runs: Ctrl-C ends it, also where the tests run in a shell's background.
+    """In a child before its program runs: signals end it, also where the tests run in a shell's background, or by nohup.
 
-    There interrupts are ignored, which a child would inherit.
+    There interrupts and hang-ups are ignored, which a child would inherit.
     """
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)

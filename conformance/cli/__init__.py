@@ -84,9 +84,10 @@ def snhc() -> None:
 
 def main() -> None:
     """The entry point of the command. Rules: CNF-19."""
-    from .failures import INTERRUPTED
+    from .failures import exit_code, heed_signals
 
+    heed_signals()
     try:
         snhc(prog_name="snhc")
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
+    except KeyboardInterrupt as error:
+        sys.exit(exit_code(error))

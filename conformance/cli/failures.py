@@ -8,8 +8,10 @@ from __future__ import annotations
 import errno
 import json
 import os
+import signal
 import sys
 from collections.abc import Callable
+from types import FrameType
 from typing import TYPE_CHECKING, Final
 
 import click
@@ -20,8 +22,40 @@ if TYPE_CHECKING:
 INPUT_OUTPUT: Final = 3
 INTERNAL: Final = 70
 # 128 + the number of the signal, as shells count.
-INTERRUPTED: Final = 130
+_SIGNALLED: Final = 128
+INTERRUPTED: Final = _SIGNALLED + signal.SIGINT
 BROKEN_PIPE: Final = 141
+
+
+class Terminated(KeyboardInterrupt):
+    """A signal asks the program to end; all is put in order as after Ctrl-C. Rules: CNF-19, CNF-20."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.code = _SIGNALLED + number
+
+
+def exit_code(error: KeyboardInterrupt) -> int:
+    """What a program that was interrupted ends with. Rules: CNF-19."""
+    return error.code if isinstance(error, Terminated) else INTERRUPTED
+
+
+def heed_signals() -> None:
+    """Have SIGTERM and SIGHUP end the program in good order: a CI job that is cancelled, a terminal that is closed.
+
+    Rules: CNF-19, CNF-20. What is ignored already stays so (nohup).
+    """
+
+    def end(number: int, frame: FrameType | None) -> None:
+        # Those who end a process often tell it twice, and once more with its group.
+        for other in numbers:
+            signal.signal(other, signal.SIG_IGN)
+        raise Terminated(number)
+
+    wanted = (getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP"))
+    numbers = [number for number in wanted if number is not None and signal.getsignal(number) == signal.SIG_DFL]
+    for number in numbers:
+        signal.signal(number, end)
 
 
 class Invocation:
@@ -76,8 +110,8 @@ def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> No
     except SnhcError as error:
         invocation.fail(error, error.as_json())
         code = error.exit_code
-    except KeyboardInterrupt:
-        code = INTERRUPTED
+    except KeyboardInterrupt as error:
+        code = exit_code(error)
     except OSError as error:
         code = _system_error(invocation, error)
     except Exception as error:  # noqa: BLE001 (the last line of defence: a bug is reported, not printed as a traceback)

@@ -6,7 +6,6 @@ Rules: CNF-17, CNF-19.
 from __future__ import annotations
 
 import shlex
-import tempfile
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -68,6 +67,7 @@ def command(
     from snhc.conformance import adapters as kinds
     from snhc.conformance.compare import BAD
     from snhc.conformance.minimize import Budget, Target, minimize
+    from snhc.conformance.scratch import scratch
 
     decoder = kinds.find(adapter)
     if common.dct_tables is not None:
@@ -81,8 +81,7 @@ def command(
         extra += "".join(f" --reading {id}={key}" for id, key in common.readings.chosen.items())
     subject = _subject(vector, aux, suite, object_number, common)
     try:
-        with tempfile.TemporaryDirectory(prefix="snhc-minimize-") as name:
-            folder = Path(name)
+        with scratch() as folder:
             if check:
                 verdict, _, _ = Target(decoder, subject, folder).ask(subject.data, subject.aux)
                 with Output(common.output, common.keep_partial) as out:

@@ -10,14 +10,13 @@ none counts twice. A case that outlives no worker is a crash.
 from __future__ import annotations
 
 import contextlib
-import shutil
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
 from snhc.conformance.results import Result
+from snhc.conformance.scratch import scratch
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.vectors.manifest import Entry
 
@@ -101,8 +100,7 @@ def _on_worker(case: Case, files: Mapping[str, bytes], suite: str, traces: str, 
 
     if _version() != version:
         raise InputFormat("CNF-20", "snhc on the worker", value=_version(), allowed=f"version {version}")
-    folder = Path(tempfile.mkdtemp(prefix="snhc-case-"))
-    try:
+    with scratch() as folder, contextlib.closing(case.adapter):
         for name, checksum in files_of(case.entry).items():
             if sha256(files[name]).hexdigest() != checksum:
                 raise InputFormat("CNF-20", f"{case.entry.id}: {name}", value="another content", allowed=checksum)
@@ -110,6 +108,3 @@ def _on_worker(case: Case, files: Mapping[str, bytes], suite: str, traces: str, 
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(files[name])
         return run_case(case, folder, Path(traces) if traces else None, Path(suite))
-    finally:
-        case.adapter.close()
-        shutil.rmtree(folder, ignore_errors=True)

@@ -262,10 +262,10 @@ def _slow(tmp_path: Path) -> list[str]:
     return ["run", str(adapter), "--filter", FEW, "-j", "2"]
 
 
-def _snhc(*words: str) -> subprocess.Popen[bytes]:
+def _snhc(*words: str, scratch: Path | None = None) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         [sys.executable, "-m", "snhc.conformance.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        preexec_fn=hears_interrupts,
+        preexec_fn=hears_interrupts, env={**os.environ, **({} if scratch is None else {"TMPDIR": str(scratch)})},
     )  # fmt: skip
 
 
@@ -284,7 +284,7 @@ def _document(path: Path) -> dict[str, Any]:
     return document
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_killed_run_resumes_to_the_report_of_an_unbroken_one(tmp_path: Path, how: signal.Signals) -> None:
     words = _slow(tmp_path)
     whole, broken = tmp_path / "whole.json", tmp_path / "broken.json"
@@ -294,18 +294,43 @@ def test_a_killed_run_resumes_to_the_report_of_an_unbroken_one(tmp_path: Path, h
     assert not whole.with_name("whole.json.journal").exists()
 
     journal = broken.with_name("broken.json.journal")
-    process = _snhc(*words, "-o", str(broken))
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = _snhc(*words, "-o", str(broken), scratch=scratch)
     _wait_for_lines(journal, 4)
+    assert list(scratch.iterdir())
     process.send_signal(how)
     _, said = process.communicate(timeout=30)
     done = journal.read_bytes().count(b"\n") - 1
     total = len(_document(whole)["results"])
     assert not broken.exists() and 3 <= done < total
-    if how == signal.SIGINT:
-        assert process.returncode == 130
+    if how != signal.SIGKILL:
+        assert process.returncode == 128 + how
+        assert not list(scratch.iterdir())
         assert f"interrupted after {done} of {total}; go on with --resume {journal}" in said.decode()
 
-    again = _snhc(*words, "-o", str(broken), "--resume", str(journal))
+    again = _snhc(*words, "-o", str(broken), "--resume", str(journal), scratch=scratch)
     again.communicate(timeout=60)
     assert again.returncode == 1 and not journal.exists()
+    # What a kill left is gone now too.
+    assert not list(scratch.iterdir())
     assert _document(broken) == _document(whole)
+
+
+def test_a_signal_that_is_ignored_stays_so(tmp_path: Path) -> None:
+    def as_by_nohup() -> None:
+        hears_interrupts()
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+
+    target = tmp_path / "out.ndjson"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "snhc.conformance.cli", "decode", "-", "-o", str(target)],
+        stdin=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=as_by_nohup,
+    )  # fmt: skip
+    for _ in range(600):
+        if any(tmp_path.iterdir()):
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGHUP)
+    process.communicate((SUITE / "fap" / "fap.arith.example.1.fba").read_bytes(), timeout=60)
+    assert process.returncode == 0 and target.exists()
