@@ -6,7 +6,7 @@ import signal
 
 
 def hears_interrupts() -> None:
-    """In a child before its program runs: signals end it, also where the tests run in a shell's background, or by nohup.
+    """In a child before its program runs: signals end it, also where tests run in the background, or by nohup.
 
     There interrupts and hang-ups are ignored, which a child would inherit.
     """
