@@ -131,9 +131,12 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
             report(finding)
         return Checked("face")
     if kind == "fap":
-        from snhc.reference_impl.face.fap_text import read_fap
+        from snhc.reference_impl.face.fap_text import FapReader
 
-        for finding in read_fap(stream, strict=options.strict, limits=options.limits).findings:
+        reader = FapReader(stream, strict=options.strict, limits=options.limits)
+        for _ in reader:
+            pass
+        for finding in reader.findings():
             report(finding)
         return Checked("fap")
     return Checked("stream", _check_stream(stream, report, options))

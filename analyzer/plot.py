@@ -32,22 +32,22 @@ _HIGH: Final = {
 def plot(stats: StreamStats, format: str = "png") -> bytes:
     """The plot as a file of one of FORMATS.
 
-    Rules: SYS-11, CNF-19. `stats`: with the frames kept, if curves are wanted. Raises EncodeError without planes.
+    Rules: SYS-11, CNF-19. `stats`: with `curves` kept. Raises EncodeError without planes.
     """
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    if not stats.times:
+    if not stats.curves.times:
         raise EncodeError("CNF-19", "planes", value=0, allowed="1 or more")
-    groups = _curves(stats.curves)
+    groups = _curves(stats.curves.frames)
     count = len(groups) + 2
     # The salt makes the ids in an SVG the same every time.
     with mpl.rc_context({"svg.hashsalt": "snhc", "font.size": 8, "axes.grid": True, "grid.alpha": 0.3}):
         figure = Figure(figsize=(_WIDTH, _HEIGHT * count), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-        times = [float(_time(frame)) for frame in stats.curves]
+        times = [float(_time(frame)) for frame in stats.curves.frames]
         for ax, (name, curves) in zip(axes, groups, strict=False):
             _group(ax, name, times, curves)
         _rate(axes[-2], stats)
@@ -98,7 +98,7 @@ def _group(ax: Axes, name: str, times: Sequence[float], curves: Sequence[tuple[s
 
 
 def _rate(ax: Axes, stats: StreamStats) -> None:
-    times = sorted(zip(stats.times, stats.bits, strict=True))
+    times = sorted(zip(stats.curves.times, stats.curves.bits, strict=True))
     sums = []
     total = last = 0
     for time, bits in times:
@@ -117,11 +117,12 @@ def _rate(ax: Axes, stats: StreamStats) -> None:
 
 def _planes(ax: Axes, stats: StreamStats) -> None:
     width = 0.8 * float(stats.period)
+    curves = stats.curves
     for flag, colour, label in ((False, "C0", "predicted"), (True, "C1", "intra")):
-        chosen = [n for n, intra in enumerate(stats.intra) if intra is flag]
+        chosen = [n for n, intra in enumerate(curves.intra) if intra is flag]
         if chosen:
             ax.bar(
-                [float(stats.times[n]) for n in chosen], [stats.bits[n] for n in chosen], width, color=colour,
+                [float(curves.times[n]) for n in chosen], [curves.bits[n] for n in chosen], width, color=colour,
                 label=label,
             )  # fmt: skip
     largest = sorted(stats.parts, key=lambda part: -stats.parts[part])[:4]

@@ -15,17 +15,16 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import ResourceLimit
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.bitstream.startcodes import VISUAL_OBJECT_SEQUENCE
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.syntax.element import Readings
-from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, is_object, reader
-from snhc.reference_impl.systems.visual import AnyPlane, StreamItem, fresh_items, tools_outside, visual_stream
+from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options
+from snhc.reference_impl.systems.visual import AnyPlane, tools_outside
 from snhc.reference_impl.tables import ProfileLevel, profile_level_codes
 
-from .stats import Peak, peak_window
+from .windows import Peak, RunningPeak, collected_peaks, sized_planes, time_of
 
 PASS: Final = "pass"
 FAIL: Final = "fail"
@@ -135,11 +134,13 @@ def _plain(name: str) -> str:
 
 @dataclass(slots=True)
 class _Object:
-    face: bool
-    start: int
-    times: list[Fraction] = field(default_factory=list)
-    bits: list[int] = field(default_factory=list)
-    spans: list[tuple[int, int]] = field(default_factory=list)
+    number: int
+    planes: int = 0
+    bits: int = 0
+    first: Fraction = Fraction(0)
+    last: Fraction = Fraction(0)
+    fullest: RunningPeak = field(default_factory=RunningPeak)
+    busiest: RunningPeak = field(default_factory=RunningPeak)
     rates: set[Fraction] = field(default_factory=set)
     tools: dict[str, int] = field(default_factory=dict)  # name -> first bit of the plane that has it
     first_data: Fraction | None = None
@@ -155,55 +156,51 @@ def check_profile(
     """Measure all objects of a stream and hold them against a profile and level, by default the signalled one.
 
     Rules: SYS-8..12. `on_finding` gets what reading the stream finds; what only this check finds stands in the report.
-    Memory grows with the number of planes only. Raises what ends the stream.
+    Memory does not grow with the stream, but where windows of one second reach over several objects or a clock that
+    goes back: then times and sizes of planes are kept, in a second reading. Raises what ends the stream.
     """
-    in_stream: list[str] = []
+    in_stream: set[str] = set()
 
     def found(finding: Finding) -> None:
-        in_stream.append(finding.id)
+        in_stream.add(finding.id)
         on_finding(finding)
 
-    io = reader(source, options, found)
     objects: list[_Object] = []
     signalled: int | None = None
-    current: StreamItem | None = None
-    behind = planes = 0
-    for item, plane in visual_stream(io, fresh_items()):
-        if plane is None:
-            if is_object(item) and item is not current:
-                current = item
-                objects.append(_Object(item.fba is not None, item.start))
-            elif signalled is None and item.code == VISUAL_OBJECT_SEQUENCE:
-                signalled = item.profile
-            continue
-        planes += 1
-        if planes > options.limits.collected_planes:
-            raise ResourceLimit(
-                "CNF-22", "planes", value=planes, bits=(plane.start, plane.end),
-                allowed=f"at most {options.limits.collected_planes}",
-            )  # fmt: skip
-        _take(objects[-1], plane, behind)
-        behind = plane.end
+    for number, item, plane, bits in sized_planes(source, options, found):
+        if number == len(objects):
+            objects.append(_Object(number))
+        if plane is not None:
+            _take(objects[-1], plane, bits)
+        elif signalled is None and item.code == VISUAL_OBJECT_SEQUENCE:
+            signalled = item.profile
     known = next((row for row in profile_level_codes() if row.code == signalled), None)
     checked = asked if asked is not None else known
-    criteria = tuple(_criteria(objects, checked, options.readings))
+
+    def collected(wanted: set[int]) -> tuple[Peak | None, Peak | None]:
+        return collected_peaks(source, options, wanted)
+
+    criteria = tuple(_criteria(objects, checked, options.readings, collected))
     own = tuple(_findings(objects, known, checked, criteria))
     # The reader looks at what is signalled.
-    seen = in_stream if checked == known else [finding.id for finding in own]
+    seen = in_stream if checked == known else {finding.id for finding in own}
     return LevelReport(signalled, checked, asked is not None, criteria, own, "profile-tool" in seen)
 
 
-def _take(one: _Object, plane: AnyPlane, behind: int) -> None:
-    time = Fraction(*plane.frames[0].time) if plane.frames else (one.times[-1] if one.times else Fraction(0))
-    one.times.append(time)
-    one.bits.append(plane.end - behind)
-    one.spans.append((plane.start, plane.end))
+def _take(one: _Object, plane: AnyPlane, bits: int) -> None:
+    time = time_of(plane)
+    one.first = min(one.first, time) if one.planes else time
+    one.last = max(one.last, time) if one.planes else time
+    one.planes += 1
+    one.bits += bits
+    one.fullest.add(time, bits)
+    one.busiest.add(time, 1)
     if plane.header.is_frame_rate:
         rate = Fraction(plane.header.frame_rate * 16 + plane.header.seconds, 16)
         one.rates.add(rate * 1000 / 1001 if plane.header.frequency_offset else rate)
     elif not one.rates:
         one.rates.add(Fraction(30))
-    last = Fraction(*plane.frames[-1].time) if plane.frames else time
+    last = Fraction(*plane.frames[-1].time)
     if isinstance(plane, FbaPlane):
         if plane.fba_object_mask & 1:
             one.tools.setdefault("face", plane.start)
@@ -215,7 +212,12 @@ def _take(one: _Object, plane: AnyPlane, behind: int) -> None:
         one.tools.setdefault("mesh", plane.start)
 
 
-def _criteria(objects: list[_Object], checked: ProfileLevel | None, readings: Readings) -> Iterator[Criterion]:
+def _criteria(
+    objects: list[_Object],
+    checked: ProfileLevel | None,
+    readings: Readings,
+    collected: Callable[[set[int]], tuple[Peak | None, Peak | None]],
+) -> Iterator[Criterion]:
     simple_face = checked is not None and checked.profile == "Simple Face Animation"
     limits = _SIMPLE_FACE.get(checked.level) if checked is not None and simple_face else None
     faces = [one for one in objects if one.first_data is not None]
@@ -224,9 +226,12 @@ def _criteria(objects: list[_Object], checked: ProfileLevel | None, readings: Re
 
     # Without a face profile everything that the stream holds is measured.
     measured = faces if limits else objects
-    times = [time for one in measured for time in one.times]
-    bits = [count for one in measured for count in one.bits]
-    peak = peak_window(times, bits) or Peak(Fraction(0), 0, 0)
+    with_planes = [one for one in measured if one.planes]
+    if len(with_planes) == 1 and with_planes[0].fullest.ordered:
+        fullest, busiest = with_planes[0].fullest.peak(), with_planes[0].busiest.peak()
+    else:
+        fullest, busiest = collected({one.number for one in with_planes})
+    peak = fullest or Peak(Fraction(0), 0, 0)
     detail = f"largest window of 1 s, from {_seconds(peak.start)}: {peak.bits} bits, {peak.planes} planes"
     yield _criterion("bit_rate", "bit/s", Fraction(peak.bits), limits.bit_rate if limits else None, detail)
     free = INFO if limits else NOT_CHECKED
@@ -235,7 +240,6 @@ def _criteria(objects: list[_Object], checked: ProfileLevel | None, readings: Re
     bound = limits.frame_rate if limits and readings.chosen.get("AMB-SYS-2") == "coded" else None
     declared = _criterion("frame_rate", "Hz", rate, bound, "declared, the sum over all objects")
     yield declared if bound is not None else replace(declared, verdict=free)
-    busiest = peak_window(times, [1] * len(times))
     count = busiest.bits if busiest is not None else 0
     yield Criterion("planes_per_second", "planes", Fraction(count), None, free, "in the busiest second")
 
@@ -258,11 +262,12 @@ def _overlapping(faces: list[_Object]) -> int:
 
 
 def _mean(objects: list[_Object]) -> Fraction:
-    times = [time for one in objects for time in one.times]
-    if not times:
+    with_planes = [one for one in objects if one.planes]
+    if not with_planes:
         return Fraction(0)
-    period = 1 / min(rate for one in objects for rate in one.rates)
-    return sum(count for one in objects for count in one.bits) / (max(times) - min(times) + period)
+    period = 1 / min(rate for one in with_planes for rate in one.rates)
+    first, last = min(one.first for one in with_planes), max(one.last for one in with_planes)
+    return sum(one.bits for one in with_planes) / (last - first + period)
 
 
 def _findings(

@@ -5,28 +5,35 @@ Rules: SYS-11, SYS-12, FBA-10, FBA-18, FBA-38, CNF-21.
 A plane's bits run from the end of the plane before it to its own end (SYS-11). Bits of one FAP inside an arithmetic
 segment are what its symbols cost in their models, log2(total / width of the bin): their sum is the segment but for
 its end and guards. The codewords of a DCT segment are counted as they are.
+
+Planes are summed as they come, and none is kept. Where a time code goes back, the windows of one second need all
+planes: then the stream is read twice (`windows`).
 """
 
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import log2
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InconsistentSemantics, ResourceLimit
+from snhc.reference_impl.bitstream.errors import InconsistentSemantics
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.mesh.records import MeshPlane
+from snhc.reference_impl.syntax.element import STEPS
 from snhc.reference_impl.syntax.temporal import Clock
-from snhc.reference_impl.syntax.tracer import Trace
+from snhc.reference_impl.syntax.tracer import ROOT, Trace
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, TracePart, is_object, trace_stream
 from snhc.reference_impl.systems.visual import AnyPlane, StreamItem
 from snhc.reference_impl.tables import fap_groups, fap_table
+
+from .windows import Peak, RunningPeak, check_collected, collected_peaks, time_of
 
 FAPS: Final = 68
 PARTS: Final = (
@@ -34,18 +41,19 @@ PARTS: Final = (
     "FAP values (arithmetic)", "FAP values (DCT)", "BAP", "mesh geometry", "mesh motion",
 )  # fmt: skip
 MASK_TYPES: Final = ("none", "mask, others keep", "mask, others interpolated", "all")
-_MASKS: Final = ("fap_mask_type", "fap_group_mask")
-_SEGMENTS: Final = {"viseme_segment": PARTS[5], "expression_segment": PARTS[6], "fap_segment": PARTS[7]}
+_ELEMENTS: Final = {
+    "viseme_segment": PARTS[5], "viseme_def": PARTS[5],
+    "expression_segment": PARTS[6], "init_face": PARTS[6], "expression_def": PARTS[6],
+    "fap_segment": PARTS[7],
+}  # fmt: skip
 _LABEL: Final = re.compile(r"FAP (\d+)\b")
-
-
-@dataclass(frozen=True, slots=True)
-class Peak:
-    """The fullest window of one second. Rules: SYS-11. `start`: seconds; `bits`, `planes` in [start, start + 1)."""
-
-    start: Fraction
-    bits: int
-    planes: int
+# Selections of FAPs: a hostile stream has another one in each intra plane.
+_KEPT: Final = 1000
+# What the rows of a path are counted as, and the FAP whose bits they are; else the element decides.
+_BY_ELEMENT: Final = ""
+_INSTANT: Final = "instant"
+_SECOND_STEP: Final = {"bap": PARTS[9], "geometry": PARTS[10], "motion": PARTS[11]}
+_THIRD_STEP: Final = {"group": (PARTS[3], 0), "new_minmax": (PARTS[4], 0), "instant": (_INSTANT, 0)}
 
 
 @dataclass(slots=True)
@@ -61,8 +69,20 @@ class FapUse:
         """Count one transmitted value; None: FAP 1 and 2 have none. Rules: FBA-18."""
         self.frames += 1
         if value is not None:
-            self.low = value if self.low is None else min(self.low, value)
-            self.high = value if self.high is None else max(self.high, value)
+            if self.low is None or value < self.low:
+                self.low = value
+            if self.high is None or value > self.high:
+                self.high = value
+
+
+@dataclass(slots=True)
+class Curves:
+    """What there is to draw. Rules: SYS-11. `times`, `bits`, `intra`: one entry per plane. `frames`: of a face."""
+
+    times: list[Fraction] = field(default_factory=list)
+    bits: list[int] = field(default_factory=list)
+    intra: list[bool] = field(default_factory=list)
+    frames: list[FaceFrame] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -71,15 +91,19 @@ class StreamStats:
 
     Rules: SYS-11, SYS-12, FBA-10, FBA-38.
 
-    `times`, `bits`, `intra`: one entry per plane. `rates`: declared frames per second, in the order in which they come.
-    `period`: the last one's. `parts`: bits per part of PARTS. `masks`: per FAP group (1..10) how many intra planes have
-    each mask type. `faps`: per FAP number. `curves`: frames, if they were asked for.
+    `first`, `last`: the earliest and the latest time of a plane, None without planes. `total_bits`: of all planes.
+    `peak`: the fullest window. `rates`: declared frames per second, in the order in which they come. `period`: the
+    last one's. `parts`: bits per part of PARTS. `masks`: per FAP group (1..10) how many intra planes have each mask
+    type. `faps`: per FAP number. `curves`: empty but where they were asked for.
     """
 
     kind: str = ""
-    times: list[Fraction] = field(default_factory=list)
-    bits: list[int] = field(default_factory=list)
-    intra: list[bool] = field(default_factory=list)
+    planes: int = 0
+    intra: int = 0
+    first: Fraction | None = None
+    last: Fraction | None = None
+    total_bits: int = 0
+    peak: Peak | None = None
     frames: int = 0
     skipped_frames: int = 0
     rates: list[Fraction] = field(default_factory=list)
@@ -88,17 +112,17 @@ class StreamStats:
     parts: dict[str, int] = field(default_factory=dict)
     masks: dict[int, list[int]] = field(default_factory=dict)
     faps: dict[int, FapUse] = field(default_factory=dict)
-    curves: list[FaceFrame] = field(default_factory=list)
+    curves: Curves = field(default_factory=Curves)
 
     @property
-    def total_bits(self) -> int:
-        """Bits of all planes. Rules: SYS-11."""
-        return sum(self.bits)
+    def span(self) -> Fraction:
+        """Last time - first time, seconds. Rules: SYS-11."""
+        return Fraction(0) if self.first is None or self.last is None else self.last - self.first
 
     @property
     def duration(self) -> Fraction:
         """Last time - first time + one period, seconds. Rules: SYS-11."""
-        return max(self.times) - min(self.times) + self.period if self.times else Fraction(0)
+        return self.span + self.period if self.planes else Fraction(0)
 
     @property
     def mean_rate(self) -> Fraction:
@@ -108,27 +132,22 @@ class StreamStats:
     @property
     def measured_frame_rate(self) -> Fraction | None:
         """(n - 1) / (last time - first time); None for less than two planes. Rules: SYS-12."""
-        span = max(self.times) - min(self.times) if self.times else Fraction(0)
-        return (len(self.times) - 1) / span if span else None
-
-    def peak(self) -> Peak | None:
-        """The fullest window, the earliest of equals; None without planes. Rules: SYS-11."""
-        return peak_window(self.times, self.bits)
+        return (self.planes - 1) / self.span if self.span else None
 
     def as_json(self) -> dict[str, Any]:
         """All sums as a JSON object; its keys stand in docs/formats-model.md. Rules: CNF-25."""
-        peak = self.peak()
+        peak = self.peak
         measured = self.measured_frame_rate
         return {
             "format": "snhc-stats",
             "version": 1,
             "kind": self.kind,
-            "planes": len(self.times),
-            "intra": sum(self.intra),
+            "planes": self.planes,
+            "intra": self.intra,
             "frames": self.frames,
             "skipped_frames": self.skipped_frames,
-            "first_time": _text(min(self.times)) if self.times else None,
-            "last_time": _text(max(self.times)) if self.times else None,
+            "first_time": None if self.first is None else _text(self.first),
+            "last_time": None if self.last is None else _text(self.last),
             "duration": _text(self.duration),
             "declared_frame_rates": [_text(rate) for rate in self.rates],
             "measured_frame_rate": None if measured is None else _text(measured),
@@ -149,29 +168,18 @@ def _text(value: Fraction) -> str:
     return f"{value.numerator}/{value.denominator}"
 
 
-def peak_window(times: Sequence[Fraction], bits: Sequence[int]) -> Peak | None:
-    """Over every plane's time t, the largest sum of the planes in [t, t + 1 s). Rules: SYS-11."""
-    order = sorted(range(len(times)), key=lambda n: times[n])
-    best: Peak | None = None
-    total = last = 0
-    for first, n in enumerate(order):
-        while last < len(order) and times[order[last]] < times[n] + 1:
-            total += bits[order[last]]
-            last += 1
-        if best is None or total > best.bits:
-            best = Peak(times[n], total, last - first)
-        total -= bits[n]
-    return best
-
-
 class _Collector:
     def __init__(self, options: Options, keep: bool) -> None:
         self.stats = StreamStats()
+        self.running = RunningPeak()
         self._options = options
         self._keep = keep
         self._clock = Clock()
         self._behind = 0
-        self.parts_waiting: dict[str, int] = {}
+        self._rates: dict[Fraction, Fraction] = {}
+        self._uses: dict[tuple[str, ...], list[FapUse]] = {}
+        self._states: dict[str, list[tuple[int, FapUse]]] = {}
+        self._waiting: dict[str, int] = {}
 
     def headers(self, trace: Trace) -> None:
         """What stands before a plane is its (SYS-11)."""
@@ -179,80 +187,102 @@ class _Collector:
             self._wait(PARTS[0], trace.end[row] - trace.start[row])
 
     def _wait(self, part: str, bits: int) -> None:
-        self.parts_waiting[part] = self.parts_waiting.get(part, 0) + bits
+        self._waiting[part] = self._waiting.get(part, 0) + bits
 
     def passed(self, end: int) -> None:
         """Another object's plane ended here; what came before is not ours."""
         self._behind = end
-        self.parts_waiting.clear()
+        self._waiting.clear()
 
     def plane(self, plane: AnyPlane, trace: Trace) -> None:
         stats = self.stats
+        paths = _paths(trace)
         # What stands behind the end, such as stuffing, is the next plane's.
-        inside = [row for row in range(len(trace)) if trace.start[row] < plane.end]
-        for row in inside:
-            self._row(trace, row)
-        for part, bits in self.parts_waiting.items():
+        inside = bisect_left(trace.start, plane.end)
+        for row in range(inside):
+            self._row(trace, row, paths)
+        for part, bits in self._waiting.items():
             stats.parts[part] = stats.parts.get(part, 0) + bits
-        self.parts_waiting.clear()
-        for row in range(len(inside), len(trace)):
-            self._row(trace, row)
-        if len(stats.times) >= self._options.limits.collected_planes:
-            raise ResourceLimit(
-                "CNF-22", "planes", value=len(stats.times) + 1,
-                allowed=f"at most {self._options.limits.collected_planes}",
-            )  # fmt: skip
-        time = self._clock.tick(plane.header, self._options.readings.skipped_frames == "before")
-        if not stats.rates or stats.rates[-1] != self._clock.rate:
-            stats.rates.append(self._clock.rate)
-        stats.period = 1 / self._clock.rate
-        stats.skipped_frames += plane.header.number_of_frames_to_skip
-        stats.times.append(Fraction(*(plane.frames[0].time if plane.frames else time)))
-        stats.bits.append(plane.end - self._behind)
+        self._waiting.clear()
+        for row in range(inside, len(trace)):
+            self._row(trace, row, paths)
+        size = plane.end - self._behind
         self._behind = plane.end
-        stats.intra.append(bool(plane.is_intra))
+        time = time_of(plane)
+        if stats.first is None or stats.last is None:
+            stats.first = stats.last = time
+        elif time > stats.last:
+            stats.last = time
+        elif time < stats.first:
+            stats.first = time
+        self.running.add(time, size)
+        self._rate(plane)
+        stats.planes += 1
+        stats.intra += bool(plane.is_intra)
+        stats.total_bits += size
+        stats.skipped_frames += plane.header.number_of_frames_to_skip
         stats.frames += len(plane.frames)
+        if self._keep:
+            check_collected(len(stats.curves.times), self._options.limits)
+            stats.curves.times.append(time)
+            stats.curves.bits.append(size)
+            stats.curves.intra.append(bool(plane.is_intra))
         if isinstance(plane, FbaPlane):
             self._face(plane)
         else:
             assert isinstance(plane, MeshPlane)
 
-    def _row(self, trace: Trace, row: int) -> None:
+    def _rate(self, plane: AnyPlane) -> None:
+        stats = self.stats
+        if stats.rates and not plane.header.is_frame_rate:
+            return
+        self._clock.tick(plane.header, False)
+        rate = self._rates.setdefault(self._clock.rate, self._clock.rate)
+        if not stats.rates or stats.rates[-1] != rate:
+            check_collected(len(stats.rates), self._options.limits)
+            stats.rates.append(rate)
+            stats.period = 1 / rate
+
+    def _row(self, trace: Trace, row: int, paths: Sequence[tuple[str, int]]) -> None:
         bits = trace.end[row] - trace.start[row]
-        path = [name for name, _ in trace.steps(trace.path[row])]
-        element = trace.el(row).name
-        if len(path) < 2:
-            self._wait(PARTS[len(path)], bits)
-        elif path[1] == "bap":
-            self._wait("BAP", bits)
-        elif path[1] in ("geometry", "motion"):
-            self._wait(f"mesh {path[1]}", bits)
-        elif len(path) == 2:
-            part = _SEGMENTS.get(element, PARTS[5] if element == "viseme_def" else "")
-            self._wait(part or (PARTS[6] if element in ("init_face", "expression_def") else PARTS[2]), bits)
+        path = trace.path[row]
+        part, fap = (PARTS[0], 0) if path == ROOT else paths[path]
+        if part == _BY_ELEMENT:
+            element = trace.el(row).name
+            part = _ELEMENTS.get(element, PARTS[2])
             if row in trace.segments:
                 self._symbols(trace, row, element)
-        elif path[2] == "group":
-            self._wait(PARTS[3], bits)
-        elif path[2] == "new_minmax":
-            self._wait(PARTS[4], bits)
-        elif path[2] == "instant":
-            fap = 1 if element.startswith("viseme") else 2
-            self._wait(PARTS[4 + fap], bits)
+        elif part == _INSTANT:
+            fap = 1 if trace.el(row).name.startswith("viseme") else 2
+            part = PARTS[4 + fap]
+        if fap:
             self._use(fap).bits += bits
-        else:
-            self._wait(PARTS[8], bits)
-            self._use(trace.steps(trace.path[row])[2][1]).bits += bits
+        self._waiting[part] = self._waiting.get(part, 0) + bits
 
     def _symbols(self, trace: Trace, row: int, element: str) -> None:
         segment, labels = trace.segments[row]
-        for step, label in zip(segment.steps, labels, strict=True):
-            match = _LABEL.match(label)
-            fap = int(match[1]) if match else 1 if element == "viseme_segment" else 2
-            self._use(fap).bits += log2(step.total / (step.cum_high - step.cum_low))
+        key = (element, *labels)
+        uses = self._uses.get(key)
+        if uses is None:
+            if len(self._uses) >= _KEPT:
+                self._uses.clear()
+            uses = self._uses[key] = [self._use(_fap_of(label, element)) for label in labels]
+        for use, width, total in zip(uses, segment.widths, segment.totals, strict=True):
+            use.bits += log2(total / width)
+
+    def _sent(self, state: str) -> list[tuple[int, FapUse]]:
+        sent = self._states.get(state)
+        if sent is None:
+            if len(self._states) >= _KEPT:
+                self._states.clear()
+            sent = self._states[state] = [(n, self._use(n + 1)) for n, letter in enumerate(state) if letter == "T"]
+        return sent
 
     def _use(self, fap: int) -> FapUse:
-        return self.stats.faps.setdefault(fap, FapUse())
+        use = self.stats.faps.get(fap)
+        if use is None:
+            use = self.stats.faps[fap] = FapUse()
+        return use
 
     def _face(self, plane: FbaPlane) -> None:
         stats = self.stats
@@ -266,11 +296,36 @@ class _Collector:
         if plane.faps is None:
             return
         for frame in plane.frames:
-            for place, letter in enumerate(frame.state):
-                if letter == "T":
-                    self._use(place + 1).take(frame.faps[place])
+            for place, use in self._sent(frame.state):
+                use.take(frame.faps[place])
             if self._keep:
-                stats.curves.append(frame)
+                stats.curves.frames.append(frame)
+
+
+def _paths(trace: Trace) -> list[tuple[str, int]]:
+    """Per path of a plane's trace: what its rows are counted as, and the FAP whose codewords they are (0: none)."""
+    kinds: list[tuple[str, int]] = []
+    depths: list[int] = []
+    for parent, step, index in trace.paths:
+        depth = 1 if parent == ROOT else depths[parent] + 1
+        above = PARTS[1] if parent == ROOT else kinds[parent][0]
+        name = STEPS[step].name
+        if depth == 1:
+            kind = (PARTS[1], 0)
+        elif depth == 2:
+            kind = (_SECOND_STEP.get(name, _BY_ELEMENT), 0)
+        elif depth == 3 and above == _BY_ELEMENT:
+            kind = _THIRD_STEP.get(name, (PARTS[8], index))
+        else:
+            kind = kinds[parent]
+        depths.append(depth)
+        kinds.append(kind)
+    return kinds
+
+
+def _fap_of(label: str, element: str) -> int:
+    match = _LABEL.match(label)
+    return int(match[1]) if match else 1 if element == "viseme_segment" else 2
 
 
 def stream_stats(
@@ -281,13 +336,15 @@ def stream_stats(
 ) -> StreamStats:
     """The sums over the object `options.object_number`.
 
-    Rules: SYS-11, SYS-12, FBA-10, FBA-38. `keep_frames`: keep the frames of a face for curves. Memory grows with the
-    number of planes only. Raises what ends the stream; InconsistentSemantics where there is no such object.
+    Rules: SYS-11, SYS-12, FBA-10, FBA-38. `keep_frames`: keep `curves`, up to
+    `collected_planes`. Memory does not grow with the stream otherwise, but where the time goes back: then times and
+    sizes are kept, in a second reading. Raises what ends the stream; InconsistentSemantics where there is no such
+    object.
     """
     collector = _Collector(options, keep_frames)
     number = -1
     current: StreamItem | None = None
-    for part in trace_stream(source, options):
+    for part in trace_stream(source, options, symbols=False, shares=True):
         if on_finding is not None:
             for finding in part.findings:
                 on_finding(finding)
@@ -298,7 +355,11 @@ def stream_stats(
         raise InconsistentSemantics(
             "FBA-44", "objects in the stream", value=number + 1, allowed=f"{options.object_number + 1} or more"
         )
-    return collector.stats
+    stats = collector.stats
+    stats.peak = collector.running.peak()
+    if not collector.running.ordered:
+        stats.peak, _ = collected_peaks(source, options, {options.object_number})
+    return stats
 
 
 def _take(
@@ -327,22 +388,19 @@ def _take(
 def summary(stats: StreamStats) -> str:
     """The sums as lines of text. Rules: SYS-11, SYS-12."""
     out = [f"kind             {stats.kind}"]
-    intra = sum(stats.intra)
-    out.append(f"planes           {len(stats.times)} ({intra} intra), {stats.frames} frames")
+    out.append(f"planes           {stats.planes} ({stats.intra} intra), {stats.frames} frames")
     if stats.skipped_frames:
         out.append(f"skipped          {stats.skipped_frames} frames")
-    peak = stats.peak()
-    if peak is not None:
-        first = float(min(stats.times))
-        out.append(
-            f"time             {first:.3f} s to {float(max(stats.times)):.3f} s, duration {float(stats.duration):.3f} s"
-        )
+    peak = stats.peak
+    if peak is not None and stats.first is not None and stats.last is not None:
+        first, last = float(stats.first), float(stats.last)
+        out.append(f"time             {first:.3f} s to {last:.3f} s, duration {float(stats.duration):.3f} s")
         rates = ", ".join(f"{float(rate):.6g}" for rate in stats.rates)
         measured = stats.measured_frame_rate
         out.append(
             f"frame rate       {rates} declared" + (f", {float(measured):.6g} planes/s measured" if measured else "")
         )
-        out.append(f"bits             {stats.total_bits} ({stats.total_bits / len(stats.times):.1f} per plane)")
+        out.append(f"bits             {stats.total_bits} ({stats.total_bits / stats.planes:.1f} per plane)")
         out.append(
             f"bit rate         {float(stats.mean_rate) / 1000:.3f} kbit/s mean, {peak.bits / 1000:.3f} kbit/s peak "
             f"(from {float(peak.start):.3f} s, {peak.planes} planes)"

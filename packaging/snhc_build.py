@@ -48,6 +48,7 @@ HOT = (
     "entropy/literal",
     "entropy/model",
     "entropy/prefix",
+    "entropy/shares",
     "face/columns",
     "face/dct_syntax",
     "face/dct_transform",

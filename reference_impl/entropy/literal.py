@@ -54,7 +54,8 @@ class SegmentTrace:
     position, value) of the guards before the end position. `tail`: how the last two data bits differ from an
     encoder's, 0 normally. `ahead`, `past_end`, only with steps: the guards met behind the end position, among the
     bits that the coder looks ahead at, whose values do not count; and whether the look-ahead met the end of the data,
-    where zeros are read (FBA-27).
+    where zeros are read (FBA-27). `widths`, `totals`: one per level where they were asked for instead of steps: the
+    width of its bin and cum[0], the quotient of which is what it costs.
     """
 
     start: int
@@ -65,6 +66,8 @@ class SegmentTrace:
     tail: int = 0
     ahead: tuple[tuple[int, int], ...] = ()
     past_end: bool = False
+    widths: tuple[int, ...] = ()
+    totals: tuple[int, ...] = ()
 
 
 class LiteralDecoder:

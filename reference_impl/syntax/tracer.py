@@ -22,6 +22,7 @@ from ..entropy.literal import SegmentTrace, decode_literally
 from ..entropy.model import Model
 from ..entropy.prefix import PrefixTable
 from ..entropy.profile import EntropyProfile
+from ..entropy.shares import decode_with_shares
 from .element import DEFAULT_READINGS, ELEMENTS, STEPS, Element, Readings, Step
 from .reader import Reader
 
@@ -83,7 +84,7 @@ class Tracer(Reader):
     """A reader whose trace says what every bit was.
 
     Rules: CNF-17, CNF-21, FBA-21..27. `symbols`: segments are decoded by the literal coder, and its steps are kept;
-    without, by the reader's own, about four times as fast.
+    without, by the reader's own, many times as fast. `shares`: without `symbols`, what each symbol costs is kept.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class Tracer(Reader):
         collect: bool = False,
         profile: EntropyProfile | None = None,
         symbols: bool = True,
+        shares: bool = False,
     ) -> None:
         super().__init__(
             cursor,
@@ -110,6 +112,7 @@ class Tracer(Reader):
             profile=profile,
         )
         self.symbols = symbols
+        self.shares = shares
         self.trace = Trace()
         self._here = ROOT
         self._interned: dict[tuple[int, int, int], int] = {}
@@ -169,9 +172,17 @@ class Tracer(Reader):
     def segment(self, el: Element, models: list[Model], labels: list[str], v: list[int], tail: int) -> list[int]:
         start = self.cursor.tell()
         if not self.symbols:
-            levels = super().segment(el, models, labels, v, tail)
+            widths: list[int] = []
+            totals: list[int] = []
+            if self.shares:
+                levels, widths, totals = self._with_shares(el, models, start)
+            else:
+                levels = super().segment(el, models, labels, v, tail)
             end = self.cursor.tell()
-            segment = SegmentTrace(start, end, (), self._guards(start, end), tuple(levels), self.tail)
+            segment = SegmentTrace(
+                start, end, (), self._guards(start, end), tuple(levels), self.tail,
+                widths=tuple(widths), totals=tuple(totals),
+            )  # fmt: skip
             self.trace.segments[len(self.trace)] = (segment, labels)
             self._row(el, start, end, len(models))
             return levels
@@ -186,6 +197,15 @@ class Tracer(Reader):
         self.trace.segments[len(self.trace)] = (segment, labels)
         self._row(el, start, segment.end, len(models))
         return list(segment.levels)
+
+    def _with_shares(self, el: Element, models: list[Model], start: int) -> tuple[list[int], list[int], list[int]]:
+        try:
+            levels, bad_guard, self.tail, widths, totals = decode_with_shares(self.cursor, models)
+        except OutOfBits:
+            raise self._truncated(el, start, "FBA-27") from None
+        if bad_guard >= 0:
+            raise self._bad_guard(bad_guard)
+        return levels, widths, totals
 
     def _guards(self, start: int, end: int) -> tuple[tuple[int, int], ...]:
         """The guards of a good segment: the bit behind every 22 zero bits."""

@@ -216,11 +216,11 @@ class TracePart:
 
 
 def trace_stream(
-    source: Source | bytes, options: Options = DEFAULT_OPTIONS, *, symbols: bool = True
+    source: Source | bytes, options: Options = DEFAULT_OPTIONS, *, symbols: bool = True, shares: bool = False
 ) -> Iterator[TracePart]:
     """The trace of a whole stream, part by part; a fault ends it and stands in the last part.
 
-    Rules: CNF-17, CNF-21. Memory does not grow with the stream. `symbols`: as in `Tracer`.
+    Rules: CNF-17, CNF-21. Memory does not grow with the stream. `symbols`, `shares`: as in `Tracer`.
     """
     findings: list[Finding] = []
     io = Tracer(
@@ -232,6 +232,7 @@ def trace_stream(
         on_finding=findings.append,
         profile=options.profile,
         symbols=symbols,
+        shares=shares,
     )
     item: StreamItem | None = None
     plane: AnyPlane | None = None

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from fractions import Fraction
 from random import Random
 from typing import Any
 
@@ -16,8 +18,9 @@ from snhc.reference_impl.bitstream.cursor import BitCursor, OutOfBits
 from snhc.reference_impl.bitstream.errors import EncodeError
 from snhc.reference_impl.bitstream.sink import BitSink
 from snhc.reference_impl.entropy.kernel import decode_segment, encode_segment, segment_code, write_guarded
-from snhc.reference_impl.entropy.literal import decode_literally
+from snhc.reference_impl.entropy.literal import SymbolStep, decode_literally
 from snhc.reference_impl.entropy.model import FENWICK_FROM, MAX_FREQUENCY, Model
+from snhc.reference_impl.entropy.shares import decode_with_shares
 
 Range = tuple[int, int, bool]  # lo, hi, adaptive
 ZEROS_BEHIND = "1" + "0" * 15  # look-ahead that is not all zero
@@ -75,11 +78,16 @@ def segments(draw: Any) -> tuple[list[Range], list[list[int]], str, str]:
     return ranges, levels, draw(st.text("01", max_size=9)), draw(st.text("01", max_size=40))
 
 
+def _shares(steps: Sequence[SymbolStep]) -> list[Fraction]:
+    return [Fraction(step.cum_high - step.cum_low, step.total) for step in steps]
+
+
 @given(segments())
 def test_three_coders_agree(case: tuple[list[Range], list[list[int]], str, str]) -> None:
     ranges, levels, before, after = case
     encoders, plain_encoders = _ours(ranges), _plain(ranges)
     fast, literal, plain = _ours(ranges), _ours(ranges), _plain(ranges)
+    sharing = _ours(ranges)
     bits = before
     for wanted in levels:
         start = len(bits)
@@ -96,6 +104,11 @@ def test_three_coders_agree(case: tuple[list[Range], list[list[int]], str, str])
         trace = decode_literally(cursor, literal)
         assert [step.level for step in trace.steps] == wanted
         assert cursor.tell() == trace.end == len(bits)
+        cursor = _cursor(bits + after, start)
+        *decoded, widths, totals = decode_with_shares(cursor, sharing)
+        assert decoded == [wanted, -1, 0]
+        assert cursor.tell() == len(bits)
+        assert [Fraction(*share) for share in zip(widths, totals, strict=True)] == _shares(trace.steps)
         assert decode(bits + after, start, plain) == (wanted, len(bits), [])
         _same(fast, plain)
         _same(literal, plain)
@@ -239,14 +252,15 @@ def test_rescale(n: int, style: str) -> None:
     """Past Max_frequency every frequency is halved, rounded up (FBA-24); all searches follow."""
     rng = Random(n)
     lo = -(n // 2)
-    ours, reader, plain = Model(lo, lo + n - 1, True), Model(lo, lo + n - 1, True), PlainModel(lo, lo + n - 1, True)
+    ours, reader, literal, sharing = (Model(lo, lo + n - 1, True) for _ in range(4))
+    plain = PlainModel(lo, lo + n - 1, True)
     # Start close to the limit, with frequencies of both parities.
     start = [1 + rng.randint(0, 2 * (MAX_FREQUENCY - 40 - n) // n) for _ in range(n)]
     start[rng.randrange(n)] += MAX_FREQUENCY - 40 - sum(start)
     if min(start) < 1:
         start = [1] * n
         start[0] += MAX_FREQUENCY - 40 - n
-    for model in (ours, reader):
+    for model in (ours, reader, literal, sharing):
         model.freq = list(start)
         model.total = sum(start)
     plain.frequencies = list(start)
@@ -258,6 +272,9 @@ def test_rescale(n: int, style: str) -> None:
         assert decode_segment(_cursor(guarded(bits), 0), [reader]) == (levels, -1, 0)
         assert ours.freq == reader.freq == plain.frequencies
         assert ours.total == reader.total == sum(plain.frequencies)
+        (step,) = decode_literally(_cursor(guarded(bits), 0), [literal]).steps
+        *_, widths, totals = decode_with_shares(_cursor(guarded(bits), 0), [sharing])
+        assert (widths, totals) == ([step.cum_high - step.cum_low], [step.total])
     assert plain.halvings == 1
 
 

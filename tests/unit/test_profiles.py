@@ -212,7 +212,9 @@ def test_an_object_without_planes_and_limits() -> None:
     report = check_profile(signalled(0x61, []))
     assert criterion(report, "bit_rate")[0] == 0
     with pytest.raises(ResourceLimit):
-        check_profile(signalled(0x61, speech(4)), Options(limits=Limits(collected_planes=3)))
+        check_profile(signalled(0x61, speech(4), speech(1)), Options(limits=Limits(collected_planes=3)))
+    # One object is measured as it comes.
+    assert criterion(check_profile(signalled(0x61, speech(4)), Options(limits=Limits(collected_planes=3))), "faces")
 
 
 # -- the verb ----------------------------------------------------------------------------------------------------------
