@@ -85,6 +85,18 @@ def _encoded(n: int, style: str) -> Measure:
     return measure
 
 
+def _made(n: int) -> Measure:
+    def measure() -> tuple[int, Callable[[], object]]:
+        def run() -> None:
+            for _ in range(20):
+                for model in _models(n):
+                    model.rebuild()
+
+        return 20 * FAPS, run
+
+    return measure
+
+
 @cache
 def speech() -> bytes:
     return b"".join(encode_text(FapReader(speech_text(SPEECH)), Writer()))
@@ -146,6 +158,8 @@ MEASURES: dict[str, tuple[str, Measure]] = {
     "decode, 361 symbols, uniform": ("symbols", _symbols(361, "uniform", decode_segment)),
     "decode, 3,721 symbols, small residuals": ("symbols", _symbols(3721, "small", decode_segment)),
     "decode, 3,721 symbols, uniform": ("symbols", _symbols(3721, "uniform", decode_segment)),
+    "models made, 361 symbols": ("models", _made(361)),
+    "models made, 3,721 symbols": ("models", _made(3721)),
     "decode literally, 361 symbols": ("symbols", _symbols(361, "small", decode_literally)),
     "encode, 361 symbols, small residuals": ("symbols", _encoded(361, "small")),
     "encode, 3,721 symbols, uniform": ("symbols", _encoded(3721, "uniform")),

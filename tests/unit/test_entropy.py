@@ -19,7 +19,7 @@ from snhc.reference_impl.bitstream.errors import EncodeError
 from snhc.reference_impl.bitstream.sink import BitSink
 from snhc.reference_impl.entropy.kernel import decode_segment, encode_segment, segment_code, write_guarded
 from snhc.reference_impl.entropy.literal import SymbolStep, decode_literally
-from snhc.reference_impl.entropy.model import FENWICK_FROM, MAX_FREQUENCY, Model
+from snhc.reference_impl.entropy.model import FENWICK_FROM, MAX_FREQUENCY, NO_NODE, Model, fresh_tree, tree_of
 from snhc.reference_impl.entropy.shares import decode_with_shares
 
 Range = tuple[int, int, bool]  # lo, hi, adaptive
@@ -302,3 +302,24 @@ def test_a_tail_is_written_where_it_decodes_and_refused_where_it_does_not(tail: 
             assert ([level], -1, tail, end) in read
     # What an encoder sends is always good; far from it something must be refused.
     assert not refused if tail == 0 else refused or abs(tail) == 1
+
+
+@given(st.integers(FENWICK_FROM, 3721), st.integers(0, 2**32 - 1))
+def test_tree_of_ones_and_its_search(n: int, seed: int) -> None:
+    """The tree of a fresh model is the one that its frequencies give, before and after counting (FBA-22)."""
+    rng = Random(seed)
+    model = Model(0, n - 1, True)
+    freq = model.rebuild()
+    assert model.tree == fresh_tree(n) == tree_of([1] * n)
+    for _ in range(20):
+        c = rng.choice((0, model.total - 1, rng.randrange(model.total)))
+        above = 0
+        wanted = n
+        while above <= c:
+            wanted -= 1
+            above += freq[wanted]
+        assert model.take(c) == (wanted, above)
+        freq[wanted] += 1
+        model.total += 1
+        assert model.tree[: n + 1] == tree_of(freq)[: n + 1]
+        assert min(model.tree[n + 1 :], default=NO_NODE) >= NO_NODE

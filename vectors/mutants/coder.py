@@ -47,8 +47,8 @@ mutant(
     ["FBA-23"],
     edit(
         _KERNEL,
-        "high = low - 1 + length * top // total\n                low += length * below // total",
-        "low += length * below // total\n                high = min(low - 1 + length * top // total, 0xFFFF)",
+        "high = low - 1 + length * top // total\n            low += length * below // total",
+        "low += length * below // total\n            high = min(low - 1 + length * top // total, 0xFFFF)",
     ),
 )
 mutant(
@@ -108,8 +108,8 @@ mutant(
     ["FBA-24"],
     edit(
         _KERNEL,
-        "freq[s] += 1\n                    model.total = total + 1",
-        "freq[s] += 2\n                    model.total = total + 2\n                    model.above = -1",
+        "freq[s] = top - below + 1\n                model.total = total + 1",
+        "freq[s] = top - below + 2\n                model.total = total + 2\n                model.above = -1",
     ),
 )
 mutant(
@@ -179,7 +179,7 @@ mutant(
     "fba.coder.guard-at-the-first-preloaded",
     "The 16 preloaded bits do not count toward the zeros before a guard",
     ["FBA-25"],
-    edit(_KERNEL, "zeros = 16 if value == 0 else (value & -value).bit_length() - 1", "zeros = 0"),
+    edit(_KERNEL, "zeros: i64 = lowest.bit_length() - 1 if lowest else 16", "zeros = 0"),
 )
 mutant(
     "fba.coder.guard-place",
@@ -253,7 +253,7 @@ mutant(
     "fba.coder.quarter-kept",
     "Straddling intervals are not opened: the middle case of the renormalisation is missing",
     ["FBA-23"],
-    edit(_KERNEL, "m = 15 - (~(low & ~high) & 0x7FFF).bit_length() if k < 16 else 0", "m = 0"),
+    edit(_KERNEL, "m = 15 - open_.bit_length() if k < 16 else 0", "m = 0"),
 )
 mutant(
     "fba.coder.symbol-base",
