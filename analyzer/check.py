@@ -15,7 +15,6 @@ Profiles and levels: `profiles`.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
 from snhc.reference_impl.bitstream.source import open_source
+from snhc.reference_impl.documents.kinds import HEAD_BYTES, hint, kind_of_input
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_planes
 
@@ -38,15 +38,8 @@ if TYPE_CHECKING:
 Report = Callable[[Finding], None]
 _OUTSIDE: Final = "profile-tool"
 
-_HEAD_BYTES: Final = 4096
-_NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_FDP_LINE: Final = re.compile(
-    rf"[1-9]\d?\.[1-9]\d?[\s,]+{_NUMBER}[\s,]+{_NUMBER}[\s,]+{_NUMBER}(?:[\s,]+-?\d+\.-?\d+)?\s*"
-)
-_FAP_LINE: Final = re.compile(r"\d+\.\d+\s+\S+\s+\d\S*\s+\d+\s*")
-# `FIT {` or `DEF name FIT {`, behind comments; what stands between tokens may be a comma.
-_NODE: Final = re.compile(r"(?:[\s,]+|#[^\n]*\n)*(?:DEF[\s,]+[^\s,{}\[\]\"#]+[\s,]+)?([A-Za-z_]\w*)[\s,]*\{")
 _PROPERTIES: Final = {"points": "face", "tables": "model", "meshes": "model", "FAPs": "fit", "Graph": "fit"}
+_DOCUMENTS: Final = f"a document with one of {', '.join(_PROPERTIES)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,21 +72,12 @@ class CheckOptions:
 DEFAULT_CHECK: Final = CheckOptions()
 
 
-def kind_of_text(data: bytes) -> str:
+def kind_of_text(head: bytes) -> str:
     """`json`, `fdp`, `fap`, `fit` or `model` (node text), or `stream`, by the first bytes of an input. Rules: CNF-2."""
-    data = data.removeprefix(b"\xef\xbb\xbf")
-    if data.lstrip()[:1] == b"{":
+    if head.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] == b"{":
         return "json"
-    if b"\0" in data:
-        return "stream"
-    node = _NODE.match(data.decode("latin-1"))
-    if node is not None:
-        return "fit" if node[1] == "FIT" else "model"
-    for line in data.decode("latin-1").splitlines():
-        text = line.partition("#")[0].strip()
-        if text:
-            return "fdp" if _FDP_LINE.fullmatch(text) else "fap" if _FAP_LINE.fullmatch(text) else "stream"
-    return "stream"
+    kind = kind_of_input(head)
+    return kind if kind in ("fdp", "fap", "fit", "model") else "stream"
 
 
 def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAULT_CHECK) -> Checked:
@@ -103,7 +87,7 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
     raises.
     """
     peek = getattr(stream, "peek", None)
-    head = peek(_HEAD_BYTES) if peek is not None else stream.read(_HEAD_BYTES)
+    head = peek(HEAD_BYTES) if peek is not None else stream.read(HEAD_BYTES)
     if peek is None:
         stream.seek(0)
     kind = kind_of_text(head)
@@ -145,12 +129,13 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
 def _check_json(data: bytes, report: Report, options: CheckOptions) -> str:
     from snhc.reference_impl.documents.json_text import as_object, parse_json
 
+    known = hint(data[:HEAD_BYTES], "json")
+    if known:
+        raise InputFormat("CNF-2", "document", value=data[:4].hex(), allowed=f"{_DOCUMENTS}; {known}")
     root = as_object(parse_json(data, rule="CNF-2", what="document", limit=options.limits.json_bytes), "", "CNF-2")
     kind = next((kind for key, kind in _PROPERTIES.items() if key in root), "")
     if not kind:
-        raise InputFormat(
-            "CNF-2", "document", value=", ".join(list(root)[:5])[:60], allowed=f"one of {', '.join(_PROPERTIES)}"
-        )
+        raise InputFormat("CNF-2", "document", value=", ".join(list(root)[:5])[:60], allowed=_DOCUMENTS)
     if kind == "face":
         from snhc.reference_impl.model.face_definition import face_definition_from_json
 

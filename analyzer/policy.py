@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 from snhc.reference_impl.bitstream.findings import SEVERITIES, Finding
 from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.rules import rules
@@ -89,7 +89,7 @@ def load_policy(path: Path) -> Policy:
     try:
         table: dict[str, Any] = tomllib.loads(data.decode("utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputFormat("CNF-25", "policy", value=str(path), allowed=f"TOML: {error}") from error
+        raise InputFormat("CNF-25", "policy", value=str(path), allowed=f"TOML: {cause(error)}") from error
     _typed(table, _TOP, "")
     rows = table.get("rule", [])
     if not rows or len(rows) > MOST_RULES:

@@ -66,7 +66,7 @@ def judge(entry: Entry, outcome: Outcome, suite: Path, format: str) -> Verdict:
         return Verdict("not_applicable", f"not claimed: {outcome.detail}")
     if outcome.stopped:
         return Verdict("error", outcome.detail)
-    if outcome.code not in (0, REJECTED) or (outcome.code == REJECTED and _fell_over(outcome.stderr)):
+    if outcome.code not in (0, REJECTED) or (outcome.code == REJECTED and fell_over(outcome.stderr)):
         return Verdict("crash", _crash(outcome))
     try:
         line = said(outcome.stderr)
@@ -94,7 +94,11 @@ _FALLEN: Final = re.compile(
 )
 
 
-def _fell_over(stderr: bytes) -> bool:
+def fell_over(stderr: bytes) -> bool:
+    """Whether standard error holds the traceback of a run-time system, the report of a sanitizer or the like.
+
+    Rules: CNF-9.
+    """
     return _FALLEN.search(stderr) is not None
 
 

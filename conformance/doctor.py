@@ -22,7 +22,7 @@ from .adapters.base import needed
 from .adapters.file import check, command_of, made, read
 from .adapters.session import Broken, Ended, Session
 from .candidate import Malformed, csv_rows, fap_text, ndjson
-from .compare import judge, said
+from .compare import fell_over, judge, said
 from .diagnosis import DECODER, NOT_RUN, NOTE, OK, WRONG, Diagnosis, Step
 from .process import resolved
 from .scratch import scratch
@@ -267,6 +267,13 @@ class _Walk:
                 f"it was stopped: {judge(entry, outcome, self._suite, 'ndjson').reason}{words}",
                 "see the limits",
                 "Limits",
+            )
+        if outcome.code == REJECTED and fell_over(outcome.stderr):
+            self._stop(
+                name,
+                f"it fell over on the valid stream {entry.id}{words}",
+                "correct the program; where it means to reject a stream, it has to end with 1 and no traceback",
+                "The program",
             )
         if outcome.code == REJECTED:
             self._stop(

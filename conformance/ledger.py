@@ -27,7 +27,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 from .results import Known, Note, Report, Result
 
@@ -112,7 +112,7 @@ def load(path: Path) -> Ledger:
     try:
         document = tomllib.loads(text.decode("utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputFormat("CNF-15", "ledger", value=str(path), allowed=f"TOML: {error}") from error
+        raise InputFormat("CNF-15", "ledger", value=str(path), allowed=f"TOML: {cause(error)}") from error
     # JSON Schema knows no dates: as the text that they are written as.
     plain = json.loads(json.dumps(document, default=lambda value: f"{value}"))
     schema = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from snhc.reference_impl.bitstream.errors import SnhcError
+from snhc.reference_impl.bitstream.errors import SnhcError, one_line
 from snhc.vectors.manifest import SUITE, TIERS, Entry, Manifest, load
 
 from . import process
@@ -27,7 +27,7 @@ from .compare import BAD
 from .filters import selector
 from .ledger import Ledger
 from .ledger import load as load_ledger
-from .reports.words import printable, where
+from .reports.words import where
 from .results import Report, Result
 from .running.case import Case, run_case
 
@@ -179,7 +179,7 @@ class VectorItem(pytest.Item):
 
 
 def _words(result: Result) -> str:
-    lines = [f"{result.status}: {printable(result.reason)}", f"title: {result.title}"]
+    lines = [f"{result.status}: {one_line(result.reason)}", f"title: {result.title}"]
     place = where(result)
     if place:
         lines.append(f"where: {place}")

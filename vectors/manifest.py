@@ -17,7 +17,7 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
 from snhc.reference_impl.syntax.element import DEFAULT_READINGS, Readings
 from snhc.reference_impl.systems.stream import Options
@@ -326,7 +326,7 @@ def load(suite: Path = SUITE, *, check_schema: bool = True, name: str = MANIFEST
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise InputFormat("CNF-3", "manifest", value=str(error), allowed="a readable manifest.json") from error
+        raise InputFormat("CNF-3", "manifest", value=cause(error), allowed="a readable manifest.json") from error
     if check_schema:
         validate(document)
         ids = Counter(entry["id"] for entry in document["vectors"])

@@ -20,12 +20,15 @@ from textual.widgets.tree import TreeNode
 
 from snhc.analyzer.tree import Node, build_tree
 
-from .document import BYTES_PER_LINE, SYMBOL, SYMBOLS, Document, Place
+from .document import SYMBOL, SYMBOLS, Document, Place
 
 BATCH: Final = 100
 _MARKED: Final = Style(reverse=True, bold=True)
 _PART: Final = Style(bold=True)
 _DIM: Final = Style(dim=True)
+
+# Bytes on a line: as many as the panel holds.
+_PER_LINE: Final = (16, 8, 4)
 
 Data = Place | Node
 """What a node of the tree stands for: a place, or a level of the path inside a part."""
@@ -42,50 +45,65 @@ class Hex(Static):
     def show(self, span: tuple[int, int]) -> None:
         """Look at bits [start, end)."""
         self._span = span
-        # Two lines are for the single bits.
-        self.update(self._drawn(max(4, self.size.height - 2)))
+        self.update(self._drawn())
 
     def on_resize(self) -> None:
         self.show(self._span)
 
-    def _drawn(self, height: int) -> Text:
+    def _drawn(self) -> Text:
         start, end = self._span
-        first = max(0, (start >> 3) // BYTES_PER_LINE - height // 3) * BYTES_PER_LINE
+        bits = self._bits(start, end)
+        per_line = next((count for count in _PER_LINE if _width(count) <= self.size.width), _PER_LINE[-1])
+        # An empty line and the single bits are below.
+        height = max(4, self.size.height - 1 - (max(1, len(bits))))
+        first = max(0, (start >> 3) // per_line - height // 3) * per_line
         out = Text(no_wrap=True)
-        for offset, data in self._document.hex_lines(first, height):
+        for offset, data in self._document.hex_lines(first, height, per_line):
             out.append(f"{offset:08x}  ", _DIM)
             for place, byte in enumerate(data):
                 at = 8 * (offset + place)
                 inside = max(start, at) < min(end, at + 8)
                 out.append(f"{byte:02x}", _MARKED if inside else "")
                 out.append(" " if place % 8 != 7 else "  ")
-            out.append(
-                "   " * (BYTES_PER_LINE - len(data)) + ("  " if len(data) <= 8 else " " if len(data) < 16 else "")
-            )
+            out.append(" " * (_columns(per_line) - 3 * len(data) - len(data) // 8))
             for place, byte in enumerate(data):
                 at = 8 * (offset + place)
                 inside = max(start, at) < min(end, at + 8)
                 out.append(chr(byte) if 32 <= byte < 127 else "·", _MARKED if inside else _DIM)
             out.append("\n")
-        bits = self._bits(start, end)
-        if bits:
+        for line in bits:
             out.append("\n")
-            out.append_text(bits)
+            out.append_text(line)
         return out
 
-    def _bits(self, start: int, end: int) -> Text | None:
-        """The bytes of a short span as bits, those outside it dim."""
+    def _bits(self, start: int, end: int) -> list[Text]:
+        """The bytes of a short span as bits, those outside it dim; as many lines as it takes."""
         if not 0 < end - start <= 64:
-            return None
+            return []
         first, last = start >> 3, (end + 7) >> 3
         data = self._document.source.read_at(first, last - first)
-        out = Text(f"bit {start}: ", _DIM, no_wrap=True)
-        for place, byte in enumerate(data):
-            for bit in range(8):
-                inside = start <= 8 * (first + place) + bit < end
-                out.append(str(byte >> (7 - bit) & 1), _MARKED if inside else _DIM)
-            out.append(" ")
-        return out
+        title = f"bit {start}: "
+        per_line = max(1, (self.size.width - len(title)) // 9)
+        lines = []
+        for at in range(0, len(data), per_line):
+            out = Text(title if at == 0 else " " * len(title), _DIM, no_wrap=True)
+            for place, byte in enumerate(data[at : at + per_line], first + at):
+                for bit in range(8):
+                    inside = start <= 8 * place + bit < end
+                    out.append(str(byte >> (7 - bit) & 1), _MARKED if inside else _DIM)
+                out.append(" ")
+            lines.append(out)
+        return lines
+
+
+def _columns(count: int) -> int:
+    """Of the hexadecimal digits of so many bytes, in groups of eight."""
+    return 3 * count + max(1, count // 8)
+
+
+def _width(count: int) -> int:
+    """Of a line of so many bytes: offset, digits, characters."""
+    return 10 + _columns(count) + count
 
 
 class Browser(App[None]):

@@ -17,7 +17,6 @@ from snhc.reference_impl.bitstream.source import Source
 from snhc.reference_impl.rules import ambiguities, rules
 from snhc.reference_impl.systems.visual import PROFILE_AND_LEVEL, profile_name
 
-BYTES_PER_LINE: Final = 16
 RAW_SHOWN: Final = 256
 # Labels of lines whose columns must stay in line; the second has no words of its own.
 SYMBOLS: Final = "symbols"
@@ -197,11 +196,11 @@ class Document:
             yield "error", str(part.error)
             yield from _rule(part.error.rule)
 
-    def hex_lines(self, first: int, count: int) -> list[tuple[int, bytes]]:
+    def hex_lines(self, first: int, count: int, per_line: int) -> list[tuple[int, bytes]]:
         """`count` lines of bytes from the line of byte `first` on, fewer at the end of the data. Rules: CNF-21."""
-        offset = max(0, first - first % BYTES_PER_LINE)
-        data = self.source.read_at(offset, count * BYTES_PER_LINE)
-        return [(offset + at, data[at : at + BYTES_PER_LINE]) for at in range(0, len(data), BYTES_PER_LINE)]
+        offset = max(0, first - first % per_line)
+        data = self.source.read_at(offset, count * per_line)
+        return [(offset + at, data[at : at + per_line]) for at in range(0, len(data), per_line)]
 
 
 def _meaning(part: Part, row: int) -> str:

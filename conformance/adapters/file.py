@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from snhc.conformance.process import DEFAULT_MEMORY, Surroundings, resolved
+from snhc.reference_impl.bitstream.errors import cause
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
 from snhc.vectors.manifest import KINDS
 
@@ -43,7 +44,7 @@ def read(path: Path) -> Table:
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise AdapterFault("CNF-9", "adapter file", value=str(path), allowed=f"TOML: {error}") from error
+        raise AdapterFault("CNF-9", "adapter file", value=str(path), allowed=f"TOML: {cause(error)}") from error
 
 
 def check(table: Table, name: str) -> None:

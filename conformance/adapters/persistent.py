@@ -96,7 +96,11 @@ class Persistent:
                 if pool.claims is None:
                     pool.broken = outcome
             return outcome
-        lacks = claims.lacks(entry) or claims.exceeded(entry, path, aux)
+        try:
+            lacks = claims.lacks(entry) or claims.exceeded(entry, path, aux)
+        except BaseException:
+            session.close()
+            raise
         if lacks:
             self._back(session, claims)
             return Outcome(None, stopped="unclaimed", detail=lacks)

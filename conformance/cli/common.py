@@ -244,8 +244,12 @@ _WRITES: Final = (
     click.option("-o", "--output", metavar="FILE|-", help="Where the data goes; a file is left whole or not at all."),
     click.option("--keep-partial", is_flag=True, help="Keep what is complete of -o FILE when an error ends it."),
 )
+# A verb that reads no stream has no findings.
+_QUIET: Final = {
+    True: click.option("--quiet", is_flag=True, help="Do not print findings."),
+    False: click.option("--quiet", is_flag=True, help="Print data and errors, nothing else."),
+}
 _ALWAYS: Final = (
-    click.option("--quiet", is_flag=True, help="Do not print findings."),
     click.option(
         "--json-errors", is_flag=True, is_eager=True, callback=_json_errors,
         help="Error and findings as JSON lines on standard error.",
@@ -274,7 +278,7 @@ def common_options(
             _INPUTS if reads else (),
             _WRITES if writes else (),
         )
-        for option in reversed((*streams, *inputs, *outputs, *_ALWAYS)):
+        for option in reversed((*streams, *inputs, *outputs, _QUIET[bool(reads)], *_ALWAYS)):
             wrapped = option(wrapped)
         return wrapped
 

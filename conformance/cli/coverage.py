@@ -184,7 +184,8 @@ def _update(book: Path | None, suite: Path | None) -> tuple[bool, list[str]]:
             faults = [f"lost: {key}" for key in books.lost(books.load_book(path), new)] + faults
         except InputFormat as error:
             faults = [f"the old book is not compared: {error}", *faults]
-    path.write_text(new.text(), encoding="utf-8")
+    with Output(str(path)) as out:
+        out.write(new.text())
     share = new.share()
     return not faults, [*faults, f"{share.covered} of {share.total} cells are covered: {path}"]
 

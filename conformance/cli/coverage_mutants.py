@@ -16,7 +16,7 @@ from snhc.vectors.mutants import matrix as matrices
 from snhc.vectors.mutants.matrix import Matrix, lost_kills
 from snhc.vectors.mutants.mutant import Mutant, MutantFault, all_mutants
 
-from .common import Common, progress
+from .common import Common, Output, progress
 
 
 def texts(path: Path | None, style: str, only: Sequence[str]) -> Iterator[str]:
@@ -72,7 +72,8 @@ def update(common: Common, path: Path | None, only: Sequence[str], jobs: int) ->
     target = path or matrices.MATRIX
     if only:
         found = matrices.merged(matrices.load_matrix(target), found, list(all_mutants()))
-    target.write_text(found.text(), encoding="utf-8")
+    with Output(str(target)) as out:
+        out.write(found.text())
     faults = _unexplained(found)
     shown = sum(bool(line.kills) for line in found.lines)
     return not faults, [*faults, f"{shown} of {len(found.lines)} mutants are shown by a vector: {target}"]

@@ -58,15 +58,15 @@ def command(adapter: str, suite: Path | None, given: str | None, common: Common)
 
 def _text(diagnosis: Diagnosis, colour: bool) -> str:
     from snhc.conformance.diagnosis import GUIDE
-    from snhc.conformance.reports.words import printable
+    from snhc.reference_impl.bitstream.errors import one_line
 
     lines: list[str] = []
     for step in diagnosis.steps:
         state = f"{_WORDS[step.state]:8}"
         shown = click.style(state, fg=_STYLES[step.state]) if colour else state
-        lines.append(f"{shown}{step.name:9}{printable(step.what)}")
+        lines.append(f"{shown}{step.name:9}{one_line(step.what)}")
         if step.fix:
-            lines.append(f"{'':17}fix: {printable(step.fix)}")
+            lines.append(f"{'':17}fix: {one_line(step.fix)}")
         if step.section:
             lines.append(f'{"":17}see: {GUIDE}, "{step.section}"')
     lines.append(_VERDICTS[diagnosis.exit_code].format(diagnosis.adapter))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from .common import Common, Output, common_options, open_binary, progress
-from .encode_mesh import HEAD, MeshOptions, encode_meshes, kind_of
+from .encode_mesh import MeshOptions, encode_meshes, kind_of
 
 if TYPE_CHECKING:
     from snhc.reference_impl.face.encode import EncoderOptions
@@ -157,8 +157,10 @@ def command(
         raise click.UsageError("a stream is not for terminals; give -o FILE")
     if [*files, epf, bap, mask].count("-") > 1:
         raise click.UsageError("only one input can be standard input")
+    from snhc.reference_impl.documents.kinds import HEAD_BYTES
+
     with open_binary(files[0]) as stream:
-        head = stream.read(HEAD)
+        head = stream.read(HEAD_BYTES)
         kind = kind_of(head)
         if kind == "fap" and len(files) == 1:
             text = chain((head,), iter(lambda: stream.read(_PIECE), b""))

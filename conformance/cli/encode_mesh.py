@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
     from snhc.reference_impl.systems.visual import StreamItem
 
-HEAD: Final = 16
-_PICTURES: Final = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*", b"P5", b"P6")
+ENCODES: Final = "FAP text, a mesh document, pictures or a dump"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +38,21 @@ class MeshOptions:
 
 
 def kind_of(head: bytes) -> str:
-    """What an input is by its first bytes: `pictures`, `document`, or else `fap`. Rules: CNF-19."""
-    if head.startswith(_PICTURES) or (head[:4] == b"RIFF" and head[8:12] == b"WEBP"):
-        return "pictures"
-    return "document" if head.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{") else "fap"
+    """How to encode an input: `pictures`, `document`, or else `fap`.
+
+    Rules: CNF-2, CNF-19. Raises InputFormat for what is known and cannot be encoded.
+    """
+    from snhc.reference_impl.bitstream.errors import InputFormat
+    from snhc.reference_impl.documents.kinds import hint, kind_of_input
+
+    kind = kind_of_input(head)
+    if kind in ("pictures", "fap", ""):
+        return kind or "fap"
+    if kind in ("dump", "mesh", "decoded", "json"):
+        return "document"
+    if kind == "mp4":
+        raise InputFormat("CNF-2", "file", value="MP4", allowed=ENCODES)
+    raise InputFormat("CNF-2", "file", value=head[:4].hex(), allowed=f"{ENCODES}; {hint(head)}")
 
 
 def encode_meshes(kind: str, first: bytes, files: Sequence[str], options: MeshOptions, common: Common) -> None:

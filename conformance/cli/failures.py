@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from snhc.reference_impl.bitstream.errors import one_line
+
 if TYPE_CHECKING:
     from .common import FindingReport
 
@@ -25,6 +27,13 @@ INTERNAL: Final = 70
 _SIGNALLED: Final = 128
 INTERRUPTED: Final = _SIGNALLED + signal.SIGINT
 BROKEN_PIPE: Final = 141
+# What a file would have to be, by the number of the system's error; 0: any other.
+_ALLOWED: Final = {
+    errno.ENOENT: "a file that is there", errno.EISDIR: "a file, no folder", errno.ENOTDIR: "a path of folders",
+    errno.EACCES: "a file that may be opened", errno.EROFS: "a place that can be written",
+    errno.ENOSPC: "a place with room", errno.EFBIG: "a place with room", errno.EEXIST: "a place that is free",
+    0: "a file that can be read or written",
+}  # fmt: skip
 
 
 class Terminated(KeyboardInterrupt):
@@ -74,13 +83,13 @@ class Invocation:
     def fail(self, error: object, fields: dict[str, object]) -> None:
         """Print one line: `fields` as JSON under --json-errors, else the error. Rules: CNF-25."""
         self.close()
-        text = json.dumps(fields, ensure_ascii=False) if self.json_errors else f"snhc: {one_line(str(error))}"
+        text = json.dumps(fields, ensure_ascii=False) if self.json_errors else f"snhc: {_joined(str(error))}"
         click.echo(text, err=True)
 
 
-def one_line(text: str) -> str:
-    """A text without line ends. Rules: CNF-19."""
-    return " ".join(text.splitlines())
+def _joined(text: str) -> str:
+    """A text without line ends: of usage, click says some things on several lines. Rules: CNF-19."""
+    return one_line(" ".join(text.splitlines()))
 
 
 def guarded(ctx: click.Context, invoke: Callable[[click.Context], object]) -> None:
@@ -139,7 +148,7 @@ def _usage_fields(error: click.ClickException) -> dict[str, object]:
 def _fields(kind: str, element: str, message: str) -> dict[str, object]:
     """What is printed for faults that are none of an input. Rules: CNF-19."""
     return {
-        "class": kind, "rule": "CNF-19", "element": element, "value": None, "allowed": "", "message": one_line(message),
+        "class": kind, "rule": "CNF-19", "element": element, "value": None, "allowed": "", "message": _joined(message),
     }  # fmt: skip
 
 
@@ -149,7 +158,8 @@ def _system_error(invocation: Invocation, error: OSError) -> int:
     name = error.filename if isinstance(error.filename, str) else ""
     text = error.strerror or str(error)
     message = f"{name}: {text}" if name else text
-    invocation.fail(message, _fields("InputOutput", name, message))
+    fields = {**_fields("InputOutput", name, message), "allowed": _ALLOWED.get(error.errno or 0, _ALLOWED[0])}
+    invocation.fail(message, fields)
     return INPUT_OUTPUT
 
 

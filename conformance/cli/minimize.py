@@ -125,8 +125,8 @@ def _subject(vector: str, aux: Path | None, suite: Path | None, object_number: i
 def _tell(
     found: Minimized, subject: Subject, decoder: Adapter, adapter: str, vector: str, folder: Path, common: Common
 ) -> None:
-    from snhc.conformance.reports.words import printable
     from snhc.conformance.where import examine
+    from snhc.reference_impl.bitstream.errors import one_line
 
     to_stdout = common.output == "-"
     place = Path(common.output or f"{Path(vector).stem if Path(vector).is_file() else vector}.min{_suffix(found)}")
@@ -135,7 +135,8 @@ def _tell(
     words = [str(place)]
     if found.aux is not None and not to_stdout:
         second = place.with_name(f"{place.stem}.frames.ndjson")
-        second.write_bytes(found.aux)
+        with Output(str(second)) as out:
+            out.write(found.aux)
         words += ["--aux", str(second)]
     entry = found.entry
     words += [
@@ -159,7 +160,7 @@ def _tell(
         lines.append(f"  again: snhc minimize {adapter} {quoted} --check")
         lines.append(f"  input: {place}")
     for line in lines:
-        click.echo(printable(line), err=to_stdout)
+        click.echo(one_line(line), err=to_stdout)
     for line in _excerpt(found):
         click.echo(line, err=to_stdout)
 
@@ -178,10 +179,10 @@ def _excerpt(found: Minimized) -> list[str]:
     from snhc.vectors.manifest import DOCUMENTS
 
     if found.entry.media in DOCUMENTS:
-        from snhc.conformance.reports.words import printable
+        from snhc.reference_impl.bitstream.errors import one_line
 
         text = found.data.decode("utf-8", "replace")
-        return ["", *(printable(line)[:2000] for line in text.splitlines()[:DUMP_LINES])]
+        return ["", *(one_line(line)[:2000] for line in text.splitlines()[:DUMP_LINES])]
     source = BytesSource(found.data)
     try:
         parts = Parts(trace_stream(source, found.entry.options.for_decoder()))

@@ -171,7 +171,8 @@ def command(
 
         click.echo(verdict_text(report, colour=colour_allowed(sys.stderr.isatty())), err=True, nl=False)
     if draft_ledger is not None:
-        draft_ledger.write_text(ledgers.draft(report.results, date.today()), encoding="utf-8")
+        with Output(str(draft_ledger)) as out:
+            out.write(ledgers.draft(report.results, date.today()))
     if journal is not None:
         journal.unlink(missing_ok=True)
     if report.exit_code:

@@ -18,11 +18,12 @@ from markupsafe import Markup
 from snhc.analyzer.pages import base_css
 from snhc.conformance.compare import BAD, STATUSES
 from snhc.conformance.results import Report, Result
+from snhc.reference_impl.bitstream.errors import one_line
 from snhc.reference_impl.rules import Rule, rules
 from snhc.vectors.manifest import TIERS
 
 from . import drawings
-from .words import divergence, numbers, printable, remarks, where
+from .words import divergence, numbers, remarks, where
 
 _HERE: Final = Path(__file__).parent
 _PER_LINE: Final = 16
@@ -42,14 +43,16 @@ def text(report: Report) -> str:
         lstrip_blocks=True,
         finalize=_shown,
     )
-    environment.filters["printable"] = printable
+    environment.filters["printable"] = one_line
     style = base_css() + (_HERE / "report.css").read_text(encoding="utf-8")
     script = (_HERE / "report.js").read_text(encoding="utf-8")
-    told = [result for result in report.results if result.status in BAD or result.status == "xfail"]
-    pages = {result.key: number for number, result in enumerate(told)}
-    vectors: dict[str, dict[str, Result]] = {}
+    by_vector: dict[str, dict[str, Result]] = {}
     for result in report.results:
-        vectors.setdefault(result.vector, {})[result.adapter] = result
+        by_vector.setdefault(result.vector, {})[result.adapter] = result
+    vectors = dict(sorted(by_vector.items(), key=lambda item: (_rank(item[1]), item[0])))
+    # In the order of the matrix: the next failure is the one of the next row.
+    told = [one for row in vectors.values() for one in row.values() if one.status in BAD or one.status == "xfail"]
+    pages = {result.key: number for number, result in enumerate(told)}
     return environment.get_template("report.html.j2").render(
         report=report,
         adapters=[(name, report.passed(name), numbers(report, name), report.counts(name)) for name in report.adapters],
@@ -58,7 +61,8 @@ def text(report: Report) -> str:
         tools=sorted({tool for result in report.results for tool in result.tools}),
         rules=_known(sorted({rule for result in report.results for rule in result.rules}, key=_natural)),
         remarks=remarks(report),
-        vectors=sorted(vectors.items()),
+        vectors=list(vectors.items()),
+        bad=BAD,
         pages=pages,
         failures=[_page(result, vectors[result.vector]) for result in told],
         style=style,
@@ -68,10 +72,16 @@ def text(report: Report) -> str:
     )
 
 
+def _rank(results: Mapping[str, Result]) -> int:
+    """What failed comes first, then what is known to fail."""
+    statuses = {result.status for result in results.values()}
+    return 0 if statuses.intersection(BAD) else 1 if "xfail" in statuses else 2
+
+
 def _shown(value: Any) -> Any:
     """Texts without what steers a display; our own markup as it is."""
     if isinstance(value, str) and not isinstance(value, Markup):
-        return "\n".join(printable(line) for line in value.split("\n"))
+        return "\n".join(one_line(line) for line in value.split("\n"))
     return value
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from snhc.conformance.results import Report
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 SCHEMA_FILE: Final = Path(__file__).parent / "report.schema.json"
 
@@ -27,7 +27,7 @@ def load(path: Path) -> Report:
     try:
         document = json.loads(path.read_bytes())
     except (ValueError, RecursionError) as error:
-        raise InputFormat("CNF-18", str(path), value=str(error), allowed="a JSON report of `snhc run`") from error
+        raise InputFormat("CNF-18", str(path), value=cause(error), allowed="a JSON report of `snhc run`") from error
     schema = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
     for misfit in jsonschema.Draft202012Validator(schema).iter_errors(document):
         raise InputFormat(

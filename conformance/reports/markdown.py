@@ -11,8 +11,9 @@ from typing import Final
 
 from snhc.conformance.compare import BAD, STATUSES
 from snhc.conformance.results import Report, Result
+from snhc.reference_impl.bitstream.errors import one_line
 
-from .words import divergence, numbers, printable, remarks, where
+from .words import divergence, numbers, remarks, where
 
 # Failures told in full per decoder: a summary has a limit of size.
 SHOWN: Final = 50
@@ -53,7 +54,7 @@ def _failure(result: Result) -> list[str]:
     # Markup of our own in HTML: a summary line must hold no Markdown.
     return [
         f"<details><summary><b>{escape(result.status)}</b> {escape(result.vector)}: "
-        f"{escape(printable(result.reason))}</summary>",
+        f"{escape(one_line(result.reason))}</summary>",
         "",
         *(f"* {name}: {value}" for name, value in facts if value),
         "",
@@ -63,7 +64,7 @@ def _failure(result: Result) -> list[str]:
 
 def _plain(text: str) -> str:
     """Text that says nothing to Markdown or HTML. Rules: CNF-18."""
-    return _SPECIAL.sub(r"\\\1", escape(printable(text), quote=False))
+    return _SPECIAL.sub(r"\\\1", escape(one_line(text), quote=False))
 
 
 def _code(text: str) -> str:

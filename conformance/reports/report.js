@@ -3,6 +3,8 @@
   const bad = new Set(["fail", "error", "timeout", "crash", "xpass"]);
   const get = (id) => document.getElementById(id);
   const form = get("filters");
+  // Each number of the verdicts shows the vectors that it counts; again, and all are there.
+  const counts = [...document.querySelectorAll(".count")];
   const rows = [...document.querySelectorAll(".matrix tbody tr")].map((row) => ({
     row,
     tier: row.dataset.tier,
@@ -30,9 +32,24 @@
       one.row.hidden = !fits;
       shown += fits;
     }
+    for (const count of counts) {
+      count.setAttribute("aria-pressed", count.dataset.adapter === adapter && count.dataset.status === status);
+    }
     get("f-count").value = `${shown} of ${rows.length} vectors`;
   }
 
+  for (const count of counts) {
+    count.disabled = false;
+    count.addEventListener("click", () => {
+      const pressed = count.getAttribute("aria-pressed") === "true";
+      form.reset();
+      if (!pressed) {
+        get("f-adapter").value = count.dataset.adapter;
+        get("f-status").value = count.dataset.status;
+      }
+      filter();
+    });
+  }
   form.hidden = false;
   form.addEventListener("input", filter);
   form.addEventListener("change", filter);

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Final
 
 from snhc.conformance.compare import BAD, STATUSES
 from snhc.conformance.results import Report, Result
+from snhc.reference_impl.bitstream.errors import one_line
 from snhc.vectors.manifest import TIERS
 
-from .words import divergence, numbers, printable, remarks, where
+from .words import divergence, numbers, remarks, where
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -42,7 +43,7 @@ def terminal_text(report: Report, *, colour: bool = False, width: int = 100) -> 
         for result in bad[:SHOWN]:
             _failure(console, result)
         if len(bad) > SHOWN:
-            more = f"... and {len(bad) - SHOWN} more of {printable(name)}; -o report.html shows all"
+            more = f"... and {len(bad) - SHOWN} more of {one_line(name)}; -o report.html shows all"
             console.print(more, markup=False)
     for name in report.adapters:
         _table(console, report, name)
@@ -69,7 +70,7 @@ def _verdicts(console: Console, report: Report) -> None:
         console.print(line, style="bold red" if not report.results else "yellow", markup=False)
     for name in report.adapters:
         passed = report.passed(name)
-        console.print(f"{printable(name)}: ", style="bold", end="", markup=False)
+        console.print(f"{one_line(name)}: ", style="bold", end="", markup=False)
         console.print("pass" if passed else "FAIL", style="bold green" if passed else "bold red", end="")
         console.print(f" ({numbers(report, name)}; suite {report.suite})", markup=False)
 
@@ -77,15 +78,15 @@ def _verdicts(console: Console, report: Report) -> None:
 def _failure(console: Console, result: Result) -> None:
     console.print(f"{result.status.upper()} ", style=_STYLES[result.status], end="")
     console.print(f"{result.vector} ", style="bold", end="", markup=False)
-    console.print(printable(f"[{result.adapter}] {result.title}"), markup=False)
-    console.print(f"  {printable(result.reason)}", markup=False)
+    console.print(one_line(f"[{result.adapter}] {result.title}"), markup=False)
+    console.print(f"  {one_line(result.reason)}", markup=False)
     for label, text in (("where", where(result)), ("trace", divergence(result))):
         if text:
-            console.print(f"  {label}: {printable(text)}", markup=False)
+            console.print(f"  {label}: {one_line(text)}", markup=False)
     if result.known is not None and result.known.expired:
-        console.print(f"  known until {result.known.expires}: {printable(result.known.reason)}", markup=False)
+        console.print(f"  known until {result.known.expires}: {one_line(result.known.reason)}", markup=False)
     console.print(f"  rules: {', '.join(result.rules)}", markup=False)
-    console.print(f"  again: {printable(result.reproduce)}", markup=False)
+    console.print(f"  again: {one_line(result.reproduce)}", markup=False)
 
 
 def _table(console: Console, report: Report, name: str) -> None:
@@ -96,7 +97,7 @@ def _table(console: Console, report: Report, name: str) -> None:
     statuses = [status for status in STATUSES if any(result.status == status for result in results)]
     if not statuses:
         return
-    table = Table(title=escape(printable(f"{name}, suite {report.suite}")), title_justify="left")
+    table = Table(title=escape(one_line(f"{name}, suite {report.suite}")), title_justify="left")
     table.add_column("tier")
     for status in statuses:
         table.add_column(status, justify="right", style=_STYLES[status])
@@ -115,7 +116,7 @@ def _matrix(console: Console, report: Report) -> None:
     table = Table(title="passed of applicable, by tools", title_justify="left")
     table.add_column("tools")
     for name in report.adapters:
-        table.add_column(escape(printable(name)), justify="right", overflow="fold")
+        table.add_column(escape(one_line(name)), justify="right", overflow="fold")
     for tools in dict.fromkeys(result.tools for result in report.results):
         cells = [", ".join(tools)]
         for name in report.adapters:

@@ -7,11 +7,7 @@ from __future__ import annotations
 
 from snhc.conformance.compare import STATUSES
 from snhc.conformance.results import Report, Result
-
-
-def printable(text: str) -> str:
-    """A foreign program's words on one line, without what steers a terminal or breaks a document. Rules: CNF-18."""
-    return "".join(char if char.isprintable() else "?" for char in text)
+from snhc.reference_impl.bitstream.errors import one_line
 
 
 def where(result: Result) -> str:
@@ -38,7 +34,7 @@ def remarks(report: Report) -> list[str]:
     if not report.results:
         out.append("no vector was selected: an empty run fails")
     out += [f"ledger: {note.entry}: {note.message}" for note in report.notes]
-    return [printable(line) for line in out]
+    return [one_line(line) for line in out]
 
 
 def divergence(result: Result) -> str:

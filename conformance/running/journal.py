@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from snhc.conformance.adapters import Adapter
 from snhc.conformance.results import Result
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 FORMAT: Final = "snhc-journal"
 VERSION: Final = 1
@@ -111,7 +111,7 @@ class Journal:
             try:
                 result = Result.from_json(self._parsed(line, number))
             except (KeyError, TypeError, AttributeError, IndexError) as error:
-                raise InputFormat("CNF-20", f"journal line {number}", value=str(error), allowed="a result") from error
+                raise InputFormat("CNF-20", f"journal line {number}", value=cause(error), allowed="a result") from error
             self.done[result.key] = result
 
     def _foreign(self) -> InputFormat:
@@ -122,7 +122,7 @@ class Journal:
         try:
             value = json.loads(line)
         except (ValueError, RecursionError) as error:
-            raise InputFormat("CNF-20", f"journal line {number}", value=str(error), allowed="JSON") from error
+            raise InputFormat("CNF-20", f"journal line {number}", value=cause(error), allowed="JSON") from error
         if not isinstance(value, dict):
             raise InputFormat("CNF-20", f"journal line {number}", value=type(value).__name__, allowed="an object")
         return value

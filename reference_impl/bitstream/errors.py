@@ -22,6 +22,24 @@ def one_line(text: str) -> str:
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode("ascii") for char in text)
 
 
+def cause(error: Exception) -> str:
+    """Why a document could not be read, in words for people: what Python says of it is for programmers.
+
+    Rules: CNF-7. `error`: what decoding, parsing or taking a document apart has raised.
+    """
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte 0x{error.object[error.start]:02x} at {error.start} is no text"
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, KeyError):
+        return f"{error.args[0]} is missing"
+    if isinstance(error, TypeError | AttributeError | IndexError):
+        return "a value is of another kind"
+    if isinstance(error, RecursionError):
+        return "nested too deeply"
+    return str(error)
+
+
 class SnhcError(Exception):
     """Base of all located faults; never raised itself.
 

@@ -22,6 +22,20 @@ from snhc.reference_impl.bitstream.errors import (
 MAX_JSON_BYTES: Final = 256 << 20
 MAX_LINE_BYTES: Final = 1 << 20
 
+# What Python's parser says, in words of what would be right.
+_EXPECTED: Final = {
+    "Expecting value": "a value",
+    "Expecting ',' delimiter": "a comma, or the end of the list",
+    "Expecting ':' delimiter": "a colon",
+    "Expecting property name enclosed in double quotes": "a name in double quotes",
+    "Illegal trailing comma before end of object": "no comma before the end",
+    "Illegal trailing comma before end of array": "no comma before the end",
+    "Extra data": "nothing behind its end",
+    "Unterminated string starting at": "a string that ends",
+    "Invalid control character at": "control characters as escapes",
+    "Invalid \\escape": "an escape that JSON has",
+    "Invalid \\uXXXX escape": "four hexadecimal digits",
+}
 JsonObject = Mapping[str, object]
 
 
@@ -59,8 +73,8 @@ def parse_json(data: bytes | str, *, rule: str, what: str, limit: int = MAX_JSON
         raise InputFormat(
             rule,
             what,
-            value=error.msg,
-            allowed="a JSON text",
+            value=json.dumps(text[error.pos], ensure_ascii=False) if error.pos < len(text) else "its end",
+            allowed=f"JSON: {_EXPECTED.get(error.msg, error.msg)}",
             line=line + error.lineno - 1,
             column=error.colno,
         ) from None

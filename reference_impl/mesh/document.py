@@ -81,7 +81,7 @@ def _lines(head: bytes, rest: bytes, limits: Limits) -> Iterable[DocumentFrame]:
 def _get(value: JsonObject, key: str, path: str) -> object:
     if key not in value:
         where = f"{path}.{key}" if path else key
-        raise InputFormat("CNF-1", key, value="absent", allowed="this key", path=where)
+        raise InputFormat("CNF-1", key, value="absent", allowed="a mesh document, which has this key", path=where)
     return value[key]
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 from snhc.reference_impl.bitstream.findings import SEVERITIES
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ def _parse(folder: Path, file: str, rule_id: str) -> dict[str, Any]:
     try:
         return tomllib.loads((folder / file).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputFormat(rule_id, "register", value=str(error), allowed="a readable TOML file", path=file) from error
+        raise InputFormat(rule_id, "register", value=cause(error), allowed="a readable TOML file", path=file) from error
 
 
 @cache

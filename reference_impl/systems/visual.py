@@ -26,6 +26,7 @@ from ..bitstream.startcodes import (
     VISUAL_OBJECT_SEQUENCE,
     VISUAL_OBJECT_SEQUENCE_END,
 )
+from ..documents.kinds import HEAD_BYTES, hint, kind_of_input
 from ..face.records import FbaObject, FbaPlane
 from ..face.syntax import fba_object, is_fba_object
 from ..mesh.records import MeshObject, MeshPlane
@@ -56,7 +57,7 @@ AnyPlane = FbaPlane | MeshPlane
 _NOT_OURS: Final = Fault(
     InputFormat, "FBA-1", "start code", "a file that begins with a start code 000001B0, 000001B5, 000001BA or 000001BC"
 )
-_MP4: Final = Fault(InputFormat, "FBA-1", "file", "a visual stream; MP4 files (SYS-13) are not read yet")
+_MP4: Final = Fault(Unsupported, "SYS-13", "file", "a visual stream; MP4 files are not read")
 _NOT_BUILT_TYPE: Final = Fault(Unsupported, "SYS-4", "visual_object_type", "3 (mesh), 4 (FBA)")
 _NOT_BUILT: Final = Fault(
     Unsupported,
@@ -258,14 +259,22 @@ def fresh_items() -> Iterator[StreamItem]:
 def _refuse(io: SyntaxIO, code: int, start: int) -> None:
     bits = io.bits_left(32)
     if code < 0:
-        if io.head(8)[4:] == b"ftyp":
-            io.require(False, _MP4, "MP4", start, start + bits)
+        _not_a_stream(io, bits)
         head = io.head(4)
         io.require(False, _NOT_OURS, head.hex() if head else None, start, start + bits)
     known = any(row.value <= code <= row.last for row in start_codes())
     if code in (VISUAL_OBJECT_SEQUENCE_END, USER_DATA, FBA_OBJECT_PLANE, MESH_OBJECT_PLANE):
         io.require(False, _NO_OBJECT, f"{code:08x}", start, start + 32)
     io.require(False, _NOT_BUILT if known else _NOT_OURS, f"{code:08x}", start, start + 32)
+
+
+def _not_a_stream(io: SyntaxIO, bits: int) -> None:
+    """A file of another kind is called by its name."""
+    head = io.head(HEAD_BYTES)
+    io.require(kind_of_input(head) != "mp4", _MP4, "MP4", 0, bits)
+    known = hint(head)
+    if known:
+        io.require(False, _NOT_OURS.allowing(f"{_NOT_OURS.allowed}; {known}"), head[:4].hex(), 0, bits)
 
 
 def _bare(io: SyntaxIO, in_sequence: bool, start: int) -> None:

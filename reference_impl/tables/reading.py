@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -105,7 +105,7 @@ def read_rows(folder: Path, file: str, rule: str, columns: Sequence[str], count:
             reader = csv.reader(stream, strict=True)
             found = [(reader.line_num, cells) for cells in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputFormat(rule, "table", value=str(error), allowed="a readable CSV file", path=file) from error
+        raise InputFormat(rule, "table", value=cause(error), allowed="a readable CSV file", path=file) from error
     if not found or found[0][1] != list(columns):
         header = ",".join(found[0][1]) if found else ""
         raise InputFormat(rule, "header", value=header, allowed=",".join(columns), line=1, path=file)

@@ -59,6 +59,16 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def mixed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Some vectors fail, some do not."""
+    adapters = [OneShot("wrong value", (sys.executable, str(HARNESS / "wrong_value.py"), "{input}")), BuiltIn()]
+    report = run(load(check_schema=False), adapters, select=selector(SELECTION), filter=SELECTION, jobs=2)
+    path = tmp_path_factory.mktemp("mixed") / "report.html"
+    path.write_text(render(report, "html"))
+    return path
+
+
 def shown(page: Page) -> list[str]:
     rows = page.browser.find_elements(By.CSS_SELECTOR, ".matrix tbody tr")
     return [row.find_element(By.CSS_SELECTOR, ".id").text for row in rows if row.is_displayed()]
@@ -112,6 +122,61 @@ def test_filters_and_a_failure(page: Page, file: Path) -> None:
     article.find_element(By.CSS_SELECTOR, "nav a").click()
     assert browser.find_element(By.ID, "overview").is_displayed()
     assert shown(page) == ["fap.arith.example.2"]
+
+
+def test_failures_come_first_and_the_counts_filter(page: Page, mixed: Path) -> None:
+    browser = page.open(mixed)
+    rows = browser.find_elements(By.CSS_SELECTOR, ".matrix tbody tr")
+    failing = [bool(row.find_elements(By.CSS_SELECTOR, "a")) for row in rows]
+    assert True in failing and False in failing and failing == sorted(failing, reverse=True)
+    assert "wrong value frame 2, FAP 3" in rows[0].find_element(By.CSS_SELECTOR, ".why").text
+    everything = shown(page)
+
+    passed = browser.find_elements(By.CSS_SELECTOR, ".count[data-status=pass]")[1]
+    assert passed.accessible_name == f"{passed.text} pass, snhc"
+    passed.click()
+    assert count(page) == f"{passed.text} of {len(everything)} vectors"
+    failed = browser.find_element(By.CSS_SELECTOR, ".count[data-adapter='0'][data-status=fail]")
+    failed.click()
+    assert count(page) == f"{failed.text} of {len(everything)} vectors"
+    assert failed.get_attribute("aria-pressed") == "true" and passed.get_attribute("aria-pressed") == "false"
+    assert all(id.startswith("fap.") for id in shown(page))
+    page.shot("counted")
+    failed.click()
+    assert shown(page) == everything
+
+    # On through the failures, row by row.
+    browser.find_element(By.CSS_SELECTOR, ".matrix a").click()
+    seen = []
+    while True:
+        article = browser.find_element(By.CSS_SELECTOR, ".failure:target")
+        seen.append(article.find_element(By.TAG_NAME, "h2").text.split()[1])
+        following = article.find_elements(By.CSS_SELECTOR, "a[rel=next]")
+        if not following:
+            break
+        following[0].click()
+    assert list(dict.fromkeys(seen)) == [id for id, fails in zip(everything, failing, strict=True) if fails]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1400, 420])
+def test_nothing_is_wider_than_the_window(page: Page, file: Path, theme: str, width: int) -> None:
+    browser = page.browser
+    features = [{"name": "prefers-color-scheme", "value": theme}]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    sizes = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", sizes)
+    try:
+        page.open(file)
+        wide = "return document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        page.shot(f"{theme}-{width}")
+        assert browser.execute_script(wide) <= 0
+        browser.find_element(By.CSS_SELECTOR, ".matrix a").click()
+        page.shot(f"{theme}-{width}-failure")
+        assert browser.execute_script(wide) <= 0
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
 
 def test_words_of_decoders_run_nowhere(page: Page, file: Path) -> None:
@@ -171,10 +236,12 @@ def contrast(a: list[int], b: list[int]) -> float:
 def test_all_of_it_works_by_keyboard_and_has_names(page: Page, file: Path) -> None:
     browser = page.open(file)
     names = []
-    for _ in range(12):
+    counts = len(browser.find_elements(By.CSS_SELECTOR, ".count"))
+    for _ in range(counts + 13):
         browser.switch_to.active_element.send_keys(Keys.TAB)
         names.append(browser.switch_to.active_element.accessible_name)
-    assert names[:7] == ["Text", "Decoder", "Status", "Tier", "Tool", "Rule", "Clear"]
+    assert names[0] == "Decoders" and all(name.split()[0].isdigit() for name in names[1 : counts + 1])
+    assert names[counts + 1 : counts + 8] == ["Text", "Decoder", "Status", "Tier", "Tool", "Rule", "Clear"]
     assert all(names)
     link = browser.find_element(By.CSS_SELECTOR, ".matrix a")
     assert link.accessible_name.startswith("fail: ")

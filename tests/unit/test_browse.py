@@ -6,6 +6,7 @@ Rules: CNF-17, CNF-19, CNF-21, CNF-23.
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -132,10 +133,12 @@ def test_more_than_the_limit_is_said() -> None:
 # -- the keys ----------------------------------------------------------------------------------------------------------
 
 
-def drive(data: bytes, steps: Callable[[Pilot[Any], Browser], Awaitable[None]], most: int = 10_000) -> None:
+def drive(
+    data: bytes, steps: Callable[[Pilot[Any], Browser], Awaitable[None]], most: int = 10_000, columns: int = 120
+) -> None:
     async def main() -> None:
         app = Browser(document(data, most), "stream.fba")
-        async with app.run_test(size=(120, 40)) as pilot:
+        async with app.run_test(size=(columns, 40)) as pilot:
             await app.workers.wait_for_complete()
             await pilot.pause()
             await steps(pilot, app)
@@ -159,6 +162,23 @@ async def _answer(pilot: Pilot[Any], key: str, text: str) -> None:
     await pilot.press("enter")
     await pilot.pause()
     await pilot.pause()
+
+
+@pytest.mark.parametrize(("columns", "per_line"), [(160, 16), (110, 8), (80, 8), (60, 4)])
+def test_hex_lines_fit_the_panel(columns: int, per_line: int) -> None:
+    async def steps(pilot: Pilot[Any], app: Browser) -> None:
+        # An element of a bit or two, and one whose single bits take the most room.
+        for name in ("fap_quant", "i_max"):
+            await _answer(pilot, "slash", name)
+            hexes = app.query_one("#hex", Static)
+            lines = str(hexes.content).rstrip("\n").split("\n")
+            assert max(map(len, lines)) <= hexes.size.width, lines
+            assert len(lines) <= hexes.size.height
+            rows = [line for line in lines if re.match("[0-9a-f]{8}  ", line)]
+            assert int(rows[1][:8], 16) - int(rows[0][:8], 16) == per_line
+            assert any(line.startswith("bit ") for line in lines)
+
+    drive(WORKED, steps, columns=columns)
 
 
 def test_keys() -> None:

@@ -179,6 +179,13 @@ def test_the_json_form_fits_its_schema(tmp_path: Path) -> None:
     assert schema["properties"]["steps"]["items"]["properties"]["state"]["enum"] == list(STATES)
 
 
+def test_a_program_that_falls_over_is_no_rejection(tmp_path: Path) -> None:
+    step = _first_bad(_examined(tmp_path / "a.toml", _harness("falls_over")))
+    assert "fell over" in step.what and step.what.endswith("it said: ZeroDivisionError")
+    assert "rejected" not in step.what and "traceback" in step.fix
+    assert "was rejected" in _first_bad(_examined(tmp_path / "a.toml", _harness("rejects_everything"))).what
+
+
 def test_the_text_says_what_is_wrong_and_what_helps(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("command = ['pyhton3', 'x.py']\n")

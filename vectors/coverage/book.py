@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 from ..manifest import SUITE, load
 from .cells import KINDS, Cell
@@ -197,7 +197,7 @@ def load_book(path: Path = BOOK_FILE) -> Book:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
-        raise InputFormat("CNF-8", "coverage book", value=str(error), allowed="a readable book.json") from error
+        raise InputFormat("CNF-8", "coverage book", value=cause(error), allowed="a readable book.json") from error
     validate(document)
     vectors = document["vectors"]
     sets = [tuple(vectors[place] for place in _places(runs)) for runs in document["sets"]]

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 HOLES_FILE: Final = Path(__file__).parent / "holes.toml"
 
@@ -69,7 +69,7 @@ def load_holes(path: Path = HOLES_FILE) -> Holes:
     try:
         table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputFormat("CNF-8", path.name, value=str(error), allowed="a TOML file") from error
+        raise InputFormat("CNF-8", path.name, value=cause(error), allowed="a TOML file") from error
     found: dict[str, list[Reason]] = {"hole": [], "outside": []}
     for name, entries in table.items():
         for entry in entries if name in found and isinstance(entries, list) else [None]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.bitstream.errors import InputFormat, cause
 
 from .mutant import Mutant
 
@@ -181,7 +181,9 @@ def load_matrix(path: Path = MATRIX) -> Matrix:
             ),
         )  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InputFormat("CNF-8", "kill matrix", value=str(path), allowed=f"{FORMAT} {VERSION}: {error}") from error
+        raise InputFormat(
+            "CNF-8", "kill matrix", value=str(path), allowed=f"{FORMAT} {VERSION}: {cause(error)}"
+        ) from error
 
 
 def merged(saved: Matrix, new: Matrix, order: Sequence[str]) -> Matrix:
