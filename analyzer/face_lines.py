@@ -9,7 +9,6 @@ one does not take the frames before it away.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
 
 from snhc.reference_impl.bitstream.errors import SnhcError, Unsupported
@@ -97,7 +96,7 @@ def filler(
             filled = evaluate(table, filled, chosen)
         if symmetry:
             filled = apply_symmetry(filled)
-        return replace(frame, faps=filled.faps, state=filled.state.translate(sent))
+        return frame._replace(faps=filled.faps, state=filled.state.translate(sent))
 
     return fill
 

@@ -30,9 +30,19 @@ EDGES: Final = (
 )  # fmt: skip
 
 
+SEGMENT_FIELDS: Final = ("viseme", "viseme_def", "expression", "init_face", "expression_def", "runs")
+
+
+def segment_records(segment: SegmentData) -> object:
+    """A segment as nested lists and dicts: what was sent, however it is kept."""
+    return {name: plain(getattr(segment, name)) for name in SEGMENT_FIELDS}
+
+
 def plain(value: object) -> object:
     """A record with its segments as nested lists and dicts, for comparison."""
-    if isinstance(value, (*RECORDS, SegmentData, CoefficientRun)):
+    if isinstance(value, SegmentData):
+        return segment_records(value)
+    if isinstance(value, (*RECORDS, CoefficientRun)):
         return {name: plain(getattr(value, name)) for name in fields_of(value)}
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]

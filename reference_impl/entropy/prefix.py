@@ -54,11 +54,12 @@ class PrefixTable:
 
     `name`: shown in traces. `rule`: the rule that reads the table. `words`: the rows, in table order.
     `max_length`: bits of the longest word, which is also what an unmatched word spans (cut at the end of the
-    data). `kraft`: exact sum of 2**-length; 1 means that every bit sequence begins with a word.
+    data). `kraft`: exact sum of 2**-length; 1 means that every bit sequence begins with a word. `direct`: what `lookup`
+    finds by the first `direct_bits` bits of a window, NO_WORD where more are needed.
     """
 
     __slots__ = (
-        "_codes", "_direct", "_direct_bits", "_starts", "_values", "kraft", "max_length", "name", "rule",
+        "_codes", "_starts", "_values", "direct", "direct_bits", "kraft", "max_length", "name", "rule",
         "words",
     )  # fmt: skip
 
@@ -76,14 +77,14 @@ class PrefixTable:
         self._starts: Final[list[int]] = [start for start, _, _ in aligned]
         self._values: Final[list[int]] = [symbol << LENGTH_BITS | length for _, length, symbol in aligned]
         direct_bits = min(longest, _DIRECT_BITS)
-        self._direct_bits: Final[int] = direct_bits
+        self.direct_bits: Final[int] = direct_bits
         direct = [NO_WORD] * (1 << direct_bits)
         for start, length, symbol in aligned:
             if length <= direct_bits:
                 first = start >> (longest - direct_bits)
                 count = 1 << (direct_bits - length)
                 direct[first : first + count] = [symbol << LENGTH_BITS | length] * count
-        self._direct: Final[list[int]] = direct
+        self.direct: Final[list[int]] = direct
 
     def lookup(self, window: int) -> int:
         """Find the word that a window begins with.
@@ -95,7 +96,7 @@ class PrefixTable:
         made per symbol: `symbol = found >> LENGTH_BITS`, `length = found & LENGTH_MASK`. A length greater
         than the bits that are left means that the data ends inside a word.
         """
-        found = self._direct[window >> (self.max_length - self._direct_bits)]
+        found = self.direct[window >> (self.max_length - self.direct_bits)]
         if found != NO_WORD:
             return found
         i = bisect_right(self._starts, window) - 1

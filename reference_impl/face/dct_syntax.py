@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Final, final
 
 from ..bitstream.errors import RangeViolation
+from ..entropy.blocks import BlockCode
 from ..entropy.profile import EntropyProfile
 from ..syntax.base import SyntaxIO
 from ..syntax.element import Element, Fault, Step
@@ -114,9 +115,13 @@ class SegmentData:
     `viseme`: 16 lists select1, select2, blend; `expression`: 16 lists select1, select2, intensity1, intensity2: the
     values themselves, not the differences. `viseme_def`, `init_face`, `expression_def`: 16 flags each. `runs`: one
     per selected FAP 3..68, ascending.
+
+    What a machine has read by blocks stays as it is, 16 integers per FAP, until somebody asks for `runs`.
     """
 
-    __slots__ = ("expression", "expression_def", "init_face", "runs", "viseme", "viseme_def")
+    __slots__ = (
+        "_blocks", "_runs", "_words", "expression", "expression_def", "init_face", "viseme", "viseme_def",
+    )  # fmt: skip
 
     def __init__(self) -> None:
         self.viseme: list[list[int]] = []
@@ -124,7 +129,66 @@ class SegmentData:
         self.expression: list[list[int]] = []
         self.init_face: list[int] = []
         self.expression_def: list[int] = []
-        self.runs: list[CoefficientRun] = []
+        self._runs: list[CoefficientRun] = []
+        self._blocks: list[int] = []
+        # Of these FAPs, counted from 0, the block does not hold what was sent.
+        self._words: dict[int, CoefficientRun] = {}
+
+    @property
+    def runs(self) -> list[CoefficientRun]:
+        """The coefficients as sent, per selected FAP; they may be changed. Rules: DCT-1, DCT-4."""
+        if self._blocks:
+            blocks, words = self._blocks, self._words
+            self.runs = [
+                words[i] if i in words else _run_of(blocks[SEGMENT * i : SEGMENT * (i + 1)])
+                for i in range(len(blocks) // SEGMENT)
+            ]
+        return self._runs
+
+    @runs.setter
+    def runs(self, runs: list[CoefficientRun]) -> None:
+        self._runs = runs
+        self._blocks = []
+        self._words = {}
+
+    def begin_blocks(self, count: int) -> list[int]:
+        """Room for the blocks of `count` FAPs, for a machine to read into. Rules: DCT-1."""
+        self._blocks = [0] * (SEGMENT * count)
+        return self._blocks
+
+    def word_by_word(self, i: int) -> CoefficientRun:
+        """What FAP number i, from 0, is read into word by word, beside others read by blocks. Rules: DCT-4."""
+        run = CoefficientRun()
+        self._words[i] = run
+        return run
+
+    def blocks(self) -> list[int]:
+        """16 quantised integers per FAP, each DC as sent; not to be changed. Rules: DCT-4."""
+        blocks = self._blocks
+        if blocks:
+            for i, run in self._words.items():
+                blocks[SEGMENT * i : SEGMENT * (i + 1)] = run.coefficients()
+            return blocks
+        out: list[int] = []
+        for run in self._runs:
+            out += run.coefficients()
+        return out
+
+
+def _run_of(block: list[int]) -> CoefficientRun:
+    """What the ordinary words of a block said: no escapes, and no coefficient of 0."""
+    run = CoefficientRun()
+    run.dc = block[0]
+    skipped = 0
+    for level in block[1:]:
+        if level:
+            run.runs.append(skipped)
+            run.levels.append(level)
+            run.escapes.append(0)
+            skipped = 0
+        else:
+            skipped += 1
+    return run
 
 
 def dct_segment(
@@ -151,14 +215,33 @@ def dct_segment(
         flags = [(INIT_FACE, segment.init_face), (EXPRESSION_DEF, segment.expression_def)]
         _high_level(io, profile, segment.expression, expression, _EXPRESSION, order, is_intra, flags)
     reading = io.reading
+    by_blocks = io.by_blocks and not _end_follows(io)
+    runs = segment.runs
+    code = _block_code(profile, is_intra)
+    blocks = segment.begin_blocks(len(selected)) if by_blocks else []
+    read = 0
     for i, fap in enumerate(selected):
-        if reading:
-            segment.runs.append(CoefficientRun())
-        run = segment.runs[i]
+        if by_blocks:
+            if i >= read:
+                read = io.blocks(code, blocks, i)
+            if i < read:
+                continue
+            run = segment.word_by_word(i)
+        else:
+            if reading:
+                runs.append(CoefficientRun())
+            run = runs[i]
         io.enter(AT_FAP_NUMBER, fap)
         _dc(io, profile, run, is_intra)
         _ac(io, profile, run)
         io.leave()
+
+
+def _block_code(profile: EntropyProfile, is_intra: int) -> BlockCode:
+    return BlockCode(
+        None if is_intra else profile.dc, profile.runlength, profile.ac, offset=OFFSET, dc_escape=DC_ESCAPE,
+        level_escape=AC_ESCAPE, wide=WIDE, end=END_OF_SEGMENT,
+    )  # fmt: skip
 
 
 def _high_level(
@@ -244,10 +327,15 @@ def _ac(io: SyntaxIO, profile: EntropyProfile, run: CoefficientRun) -> None:
         _coefficient(io, profile, run, i)
         i += 1
     io.require(reading or i == len(run.runs), _RUN_PAST_END, len(run.runs), io.tell(), io.tell())
-    if io.readings.end_after_last == "sent":
+    if _end_follows(io):
         start = io.tell()
         step = io.vlc(RUN, table, END_OF_SEGMENT)
         io.require(step == END_OF_SEGMENT, _RUN_PAST_END, step, start, io.tell())
+
+
+def _end_follows(io: SyntaxIO) -> bool:
+    """Whether an end symbol stands behind a coefficient at index 15 too (AMB-DCT-4)."""
+    return io.readings.end_after_last == "sent"
 
 
 def _coefficient(io: SyntaxIO, profile: EntropyProfile, run: CoefficientRun, i: int) -> None:

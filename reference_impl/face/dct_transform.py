@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal, final
 
 from snhc.reference_impl.bitstream.errors import RangeViolation
 from snhc.reference_impl.tables.loader import fap_dct_base_step, fap_dct_scale
@@ -127,6 +127,97 @@ def basis(normalisation: Normalisation = "orthonormal") -> tuple[tuple[float, ..
     return tuple(rows)
 
 
+Sixteen = tuple[
+    float, float, float, float, float, float, float, float, float, float, float, float, float, float, float, float,
+]  # fmt: skip
+
+
+@final
+class _Row:
+    """The first eight factors of a coefficient: the others are these backwards, of odd coefficients with the sign
+    turned."""
+
+    __slots__ = ("f0", "f1", "f2", "f3", "f4", "f5", "f6", "f7")
+
+    def __init__(self, row: tuple[float, ...]) -> None:
+        self.f0 = row[0]
+        self.f1 = row[1]
+        self.f2 = row[2]
+        self.f3 = row[3]
+        self.f4 = row[4]
+        self.f5 = row[5]
+        self.f6 = row[6]
+        self.f7 = row[7]
+
+
+@final
+class Inverse:
+    """The inverse transform of one reading. Rules: DCT-5, DCT-7."""
+
+    __slots__ = ("dc_divisor", "rows")
+
+    def __init__(self, reading: DctReading) -> None:
+        # AC step / DC step, and 1 / c_0.
+        self.dc_divisor = reading.dc_step_ratio * reading.dc_divisor
+        self.rows = [_Row(row) for row in basis(reading.normalisation)]
+
+
+@cache
+def inverse_of(reading: DctReading = FOLLOWED) -> Inverse:
+    """The inverse transform of a reading, made once. Rules: DCT-5, DCT-7."""
+    return Inverse(reading)
+
+
+@cache
+def ac_steps(fap_quant: int) -> list[tuple[int, int]]:
+    """`ac_step` by FAP number, as (numerator, denominator); entries 0 to 2 are (0, 1).
+
+    Rules: DCT-5. Raises `RangeViolation` as `ac_step`.
+    """
+    steps = [ac_step(fap, fap_quant) for fap in range(3, 69)]
+    return [(0, 1)] * 3 + [(step.numerator, step.denominator) for step in steps]
+
+
+def _inverse(c: list[int], at: int, dc: int, numerator: int, denominator: int, inverse: Inverse) -> Sixteen:
+    """`inverse_transform` of the AC coefficients behind `c[at]` and a DC."""
+    # Sums by name: compiled, they are machine numbers.
+    s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
+    s8 = s9 = s10 = s11 = s12 = s13 = s14 = s15 = 0.0
+    try:
+        for k in range(1, SEGMENT_FRAMES):
+            level = c[at + k]
+            # A term of a zero coefficient is +0 or -0 and changes no sum that began with +0.
+            if level:
+                value = level * numerator / denominator
+                mirrored = -value if k & 1 else value
+                row = inverse.rows[k]
+                s0 += value * row.f0
+                s1 += value * row.f1
+                s2 += value * row.f2
+                s3 += value * row.f3
+                s4 += value * row.f4
+                s5 += value * row.f5
+                s6 += value * row.f6
+                s7 += value * row.f7
+                s8 += mirrored * row.f7
+                s9 += mirrored * row.f6
+                s10 += mirrored * row.f5
+                s11 += mirrored * row.f4
+                s12 += mirrored * row.f3
+                s13 += mirrored * row.f2
+                s14 += mirrored * row.f1
+                s15 += mirrored * row.f0
+        constant = dc * numerator / (denominator * inverse.dc_divisor)
+    except OverflowError:
+        raise RangeViolation("DCT-6", "coefficients", allowed="values that float64 holds") from None
+    return (
+        s0 + constant, s1 + constant, s2 + constant, s3 + constant,
+        s4 + constant, s5 + constant, s6 + constant, s7 + constant,
+        s8 + constant, s9 + constant, s10 + constant, s11 + constant,
+        s12 + constant, s13 + constant, s14 + constant, s15 + constant,
+    )  # fmt: skip
+
+
 def inverse_transform(coefficients: Sequence[int], step: Fraction, reading: DctReading = FOLLOWED) -> tuple[float, ...]:
     """Dequantise 16 coefficients and transform them back; values not yet rounded.
 
@@ -137,21 +228,14 @@ def inverse_transform(coefficients: Sequence[int], step: Fraction, reading: DctR
     The DC term is one rounding of the exact quotient. Raises `RangeViolation` where the values leave the
     range of float64.
     """
+    c = _sixteen(coefficients)
+    return _inverse(c, 0, c[0], step.numerator, step.denominator, inverse_of(reading))
+
+
+def _sixteen(coefficients: Sequence[int]) -> list[int]:
     if len(coefficients) != SEGMENT_FRAMES:
         raise RangeViolation("DCT-7", "coefficients", value=len(coefficients), allowed="16 integers")
-    numerator, denominator = step.numerator, step.denominator
-    table = basis(reading.normalisation)
-    sums = [0.0] * SEGMENT_FRAMES
-    try:
-        for k in range(1, SEGMENT_FRAMES):
-            # A term of a zero coefficient is +0 or -0 and changes no sum that began with +0.
-            if coefficients[k]:
-                value = coefficients[k] * numerator / denominator
-                sums = [total + value * factor for total, factor in zip(sums, table[k])]
-        constant = coefficients[0] * numerator / (denominator * reading.dc_step_ratio * reading.dc_divisor)
-    except OverflowError:
-        raise RangeViolation("DCT-6", "coefficients", allowed="values that float64 holds") from None
-    return tuple([total + constant for total in sums])
+    return list(coefficients)
 
 
 def round_half_away(value: float) -> int:
@@ -162,7 +246,7 @@ def round_half_away(value: float) -> int:
     Adding 0.5 first would round on its own: 0.49999999999999994 + 0.5 is 1.
     """
     whole = int(value)
-    rest = value - whole
+    rest = value - float(whole)
     if rest >= 0.5:
         return whole + 1
     if rest <= -0.5:
@@ -175,13 +259,25 @@ def reconstruct_values(coefficients: Sequence[int], step: Fraction, reading: Dct
 
     Rules: DCT-5, DCT-6, DCT-7. Arguments and errors as `inverse_transform`.
     """
-    out: list[int] = []
-    for value in inverse_transform(coefficients, step, reading):
-        # `round_half_away`, without the call.
-        whole = int(value)
-        rest = value - whole
-        out.append(whole + 1 if rest >= 0.5 else whole - 1 if rest <= -0.5 else whole)
-    return tuple(out)
+    c = _sixteen(coefficients)
+    return block_values(c, 0, c[0], step.numerator, step.denominator, inverse_of(reading))
+
+
+def block_values(
+    blocks: list[int], at: int, dc: int, numerator: int, denominator: int, inverse: Inverse
+) -> tuple[int, ...]:
+    """`reconstruct_values` of a block among others: its AC coefficients stand behind `blocks[at]`.
+
+    Rules: DCT-5, DCT-6, DCT-7. `dc`: the value. `numerator`, `denominator`: the AC step. Errors as `inverse_transform`.
+    """
+    s0, s1, s2, s3, s4, s5, s6, s7, \
+        s8, s9, s10, s11, s12, s13, s14, s15 = _inverse(blocks, at, dc, numerator, denominator, inverse)  # fmt: skip
+    return (
+        round_half_away(s0), round_half_away(s1), round_half_away(s2), round_half_away(s3),
+        round_half_away(s4), round_half_away(s5), round_half_away(s6), round_half_away(s7),
+        round_half_away(s8), round_half_away(s9), round_half_away(s10), round_half_away(s11),
+        round_half_away(s12), round_half_away(s13), round_half_away(s14), round_half_away(s15),
+    )  # fmt: skip
 
 
 def inverse_transforms(

@@ -6,16 +6,18 @@ closes its loop with the same function.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
+from typing import Final
 
 from ..tables import fap_dct_scale
-from .dct_syntax import SegmentData
-from .dct_transform import DctReading, ac_step, reconstruct_values
+from .dct_syntax import SEGMENT, SegmentData
+from .dct_transform import DctReading, ac_steps, block_values, inverse_of
 from .frames import FaceFrame
 from .parameters import I_MAX, I_MIN, high_level_quantised
 from .records import FbaPlane, ParameterData
 from .state import FaceState, ParameterState
+
+_NONE: Final = (None,) * SEGMENT
 
 
 def reconstruct(state: FaceState, plane: FbaPlane) -> list[FaceFrame]:
@@ -32,28 +34,34 @@ def reconstruct(state: FaceState, plane: FbaPlane) -> list[FaceFrame]:
         baps = {number: values[number] for number in state.baps.selected}
     data = plane.faps
     if data is None:
-        return [_frame(state, plane, time, state.letters_without, baps)]
+        return [_frame(state, plane, time, shown_values(state), state.letters_without, baps)]
     if data.segment is None:
         fap_values(state, data, plane.is_intra)
-        return [_frame(state, plane, time, state.letters_with_data, baps)]
-    frames = []
-    for t in segment_values(state, data.segment, plane.is_intra):
-        frames.append(
-            _frame(state, plane, state.clock.after(time, t), state.letters_with_data, baps if t == 0 else None)
-        )
+        return [_frame(state, plane, time, shown_values(state), state.letters_with_data, baps)]
+    frames: list[FaceFrame] = []
+    letters = state.letters_with_data
+    for t, shown in enumerate(segment_values(state, data.segment, plane.is_intra)):
+        high_level_instant(state, data.segment, t)
+        frames.append(_frame(state, plane, state.clock.after(time, t), shown, letters, baps if t == 0 else None))
+    keep_high_level(state, data.segment)
     state.clock.span(len(frames) - 1)
     return frames
 
 
 def _frame(
-    state: FaceState, plane: FbaPlane, time: tuple[int, int], letters: str, baps: dict[int, int] | None
+    state: FaceState,
+    plane: FbaPlane,
+    time: tuple[int, int],
+    values: tuple[int | None, ...],
+    letters: str,
+    baps: dict[int, int] | None,
 ) -> FaceFrame:
     header = plane.faps if plane.is_intra else None
     frame = FaceFrame(
         state.index,
         time,
         bool(plane.is_intra),
-        shown_values(state),
+        values,
         shown_viseme(state, letters),
         shown_expression(state, letters),
         letters,
@@ -66,39 +74,60 @@ def _frame(
     return frame
 
 
-def segment_values(state: FaceState, segment: SegmentData, is_intra: int) -> Iterator[int]:
-    """Take the instants of a DCT segment into the values, one after the other; yields their numbers 0..15.
+def segment_values(state: FaceState, segment: SegmentData, is_intra: int) -> list[tuple[int | None, ...]]:
+    """The 68 values of each of the 16 instants of a DCT segment; the state takes those of the last one.
 
-    Rules: DCT-3, DCT-5, DCT-6, DCT-7, DCT-9, DCT-10, DCT-11, DCT-13.
+    Rules: DCT-3, DCT-5, DCT-6, DCT-7, DCT-13, FBA-34, CNF-1.
     """
     readings = state.readings
-    reading = dct_reading(readings.dc_step_ratio, readings.normalisation)
+    inverse = inverse_of(dct_reading(readings.dc_step_ratio, readings.normalisation))
     faps = state.faps
-    series: list[tuple[int, ...]] = []
-    for fap, run in zip(faps.selected, segment.runs, strict=True):
-        coefficients = run.coefficients()
+    selected = faps.selected
+    values = faps.values
+    steps = ac_steps(faps.quant)
+    blocks = segment.blocks()
+    assert len(blocks) == SEGMENT * len(selected)
+    series: list[tuple[int | None, ...]] = [_NONE] * 68
+    at = 0
+    for fap in selected:
+        dc = blocks[at]
         if not is_intra:
-            coefficients[0] += state.dct_dc[fap]
-        state.dct_dc[fap] = coefficients[0]
-        series.append(reconstruct_values(coefficients, ac_step(fap, faps.quant), reading))
-    scale = fap_dct_scale()[faps.quant] if readings.dct_intensity == "scaled" else 1
-    for t in range(16):
-        if state.has_viseme:
-            select1, select2, blend = segment.viseme[t]
-            state.viseme = [select1, select2, blend * scale, segment.viseme_def[t]]
-        if state.has_expression:
-            select1, select2, intensity1, intensity2 = segment.expression[t]
-            state.expression = [
-                select1,
-                intensity1 * scale,
-                select2,
-                intensity2 * scale,
-                segment.init_face[t],
-                segment.expression_def[t],
-            ]
-        for fap, values in zip(faps.selected, series):
-            faps.values[fap] = values[t]
-        yield t
+            dc += state.dct_dc[fap]
+        state.dct_dc[fap] = dc
+        numerator, denominator = steps[fap]
+        instants = block_values(blocks, at, dc, numerator, denominator, inverse)
+        values[fap] = instants[-1]
+        series[fap - 1] = instants
+        at += SEGMENT
+    for number in state.shown:
+        # Those that are not coded keep their value.
+        if series[number - 1] is _NONE:
+            series[number - 1] = (values[number],) * SEGMENT
+    return list(zip(*series, strict=True))
+
+
+def high_level_instant(state: FaceState, segment: SegmentData, t: int) -> None:
+    """Take instant t of a DCT segment into the values of FAP 1 and 2. Rules: DCT-9, DCT-10, DCT-11."""
+    if not (state.has_viseme or state.has_expression):
+        return
+    scale = fap_dct_scale()[state.faps.quant] if state.readings.dct_intensity == "scaled" else 1
+    if state.has_viseme:
+        select1, select2, blend = segment.viseme[t]
+        state.viseme = [select1, select2, blend * scale, segment.viseme_def[t]]
+    if state.has_expression:
+        select1, select2, intensity1, intensity2 = segment.expression[t]
+        state.expression = [
+            select1,
+            intensity1 * scale,
+            select2,
+            intensity2 * scale,
+            segment.init_face[t],
+            segment.expression_def[t],
+        ]
+
+
+def keep_high_level(state: FaceState, segment: SegmentData) -> None:
+    """What the first instant of the next DCT segment is predicted from. Rules: DCT-9, DCT-10, DCT-13."""
     if state.has_viseme:
         state.dct_viseme = segment.viseme[-1]
     if state.has_expression:

@@ -12,6 +12,7 @@ from mypy_extensions import mypyc_attr
 
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
+from ..entropy.blocks import BlockCode
 from ..entropy.model import Model
 from ..entropy.prefix import PrefixTable
 from ..entropy.profile import EntropyProfile, load_profile
@@ -45,6 +46,8 @@ class SyntaxIO:
         self._indices: list[int] = []
         # Whether values come from bits (reader, tracer) or from records (writers).
         self.reading = False
+        # Whether this machine reads blocks of coefficients at once where it can.
+        self.by_blocks = False
         self.tail = 0
         self.draft = False
         self.strict = False
@@ -83,6 +86,14 @@ class SyntaxIO:
         `tail`: how the last two data bits differ from an encoder's; what was read or written is then in `self.tail`.
         """
         raise NotImplementedError
+
+    def blocks(self, code: BlockCode, blocks: list[int], first: int) -> int:
+        """Read blocks of DCT coefficients from block `first` on, as far as they are ordinary ones.
+
+        Rules: DCT-2, DCT-3, DCT-4. Returns the number of the first one that is left to be read word by word. Only for
+        machines with `by_blocks`.
+        """
+        return first
 
     def raw(self, el: Element, count: int, v: bytes) -> bytes:
         """`count` whole bytes from an aligned position. Rules: SYS-5."""

@@ -6,6 +6,7 @@ Rules: CNF-7, CNF-21, FBA-3, FBA-25..27, FBA-42, FBA-44.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from mypy_extensions import mypyc_attr
 
@@ -14,6 +15,7 @@ from ..bitstream.errors import MarkerBit, ReservedValue, Truncated
 from ..bitstream.findings import Finding
 from ..bitstream.limits import DEFAULT_LIMITS, Limits
 from ..bitstream.startcodes import DRAFT_PLANE, FBA_OBJECT_PLANE, PREFIX
+from ..entropy.blocks import BlockCode, read_blocks
 from ..entropy.kernel import decode_segment
 from ..entropy.model import Model
 from ..entropy.prefix import LENGTH_BITS, LENGTH_MASK, PrefixTable
@@ -21,6 +23,10 @@ from ..entropy.profile import EntropyProfile
 from ..rules import finding as registered_finding
 from .base import BARE_CODE, END, PLANE, STUFFED_CODE, STUFFED_END, ZERO_PADDING, SyntaxIO
 from .element import DEFAULT_READINGS, Element, Fault, Readings
+
+# The pure form reads words as the syntax functions say it: it is what can be patched and watched, and what the fast way
+# of the compiled form is compared with. Interpreted functions have a code object.
+COMPILED: Final = not hasattr(read_blocks, "__code__")
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -45,6 +51,8 @@ class Reader(SyntaxIO):
         super().__init__(limits=limits, readings=readings, profile=profile)
         self.cursor = cursor
         self.reading = True
+        # Machines that extend this one want to see each word.
+        self.by_blocks = COMPILED and type(self) is Reader
         self.draft = draft
         self.strict = strict
         self.collect = collect
@@ -101,6 +109,9 @@ class Reader(SyntaxIO):
         if bad_guard >= 0:
             raise self._bad_guard(bad_guard)
         return levels
+
+    def blocks(self, code: BlockCode, blocks: list[int], first: int) -> int:
+        return read_blocks(self.cursor, code, blocks, first)
 
     def raw(self, el: Element, count: int, v: bytes) -> bytes:
         cursor = self.cursor

@@ -154,5 +154,7 @@ class Clock:
 
     def after(self, time: tuple[int, int], frames: int) -> tuple[int, int]:
         """The time `frames` periods after `time`. Rules: FBA-38, DCT-13."""
-        t = Fraction(time[0], time[1]) + frames * Fraction(self._num, self._den)
-        return t.numerator, t.denominator
+        num = time[0] * self._den + frames * self._num * time[1]
+        den = time[1] * self._den
+        common = gcd(num, den)
+        return num // common, den // common

@@ -12,6 +12,7 @@ from strategies_dct import DCT_ELEMENTS, DctStream, check_plainly, dct_streams, 
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.face.dct_transform import ac_step, dc_step
 from snhc.reference_impl.face.fap_text import FapFile, FapTextFrame
+from snhc.reference_impl.syntax.temporal import Clock, TemporalHeader
 from snhc.reference_impl.systems.encoding import encode_fap
 from snhc.reference_impl.systems.stream import decode_frames, read_stream, trace_stream, write_stream
 
@@ -44,6 +45,30 @@ def test_a_writer_never_escapes_without_need(stream: DctStream) -> None:
 @given(dct_streams())
 def test_a_plain_decoder_agrees(stream: DctStream) -> None:
     check_plainly(write_stream(stream.items))
+
+
+@given(
+    st.integers(0, 255),
+    st.integers(0, 15),
+    st.booleans(),
+    st.integers(0, 86_399),
+    st.integers(0, 40),
+    st.integers(0, 15),
+)
+def test_times_of_instants_are_exact_sums(
+    rate: int, sixteenths: int, by_1001: bool, code: int, skipped: int, instant: int
+) -> None:
+    header = TemporalHeader()
+    header.is_frame_rate, header.frame_rate, header.seconds, header.frequency_offset = 1, rate, sixteenths, int(by_1001)
+    header.is_time_code, header.time_code_hours = 1, code // 3600
+    header.time_code_minutes, header.time_code_seconds = code // 60 % 60, code % 60
+    clock = Clock()
+    clock.tick(header, True)
+    later = TemporalHeader()
+    later.number_of_frames_to_skip = skipped
+    time = clock.tick(later, True)
+    wanted = Fraction(*time) + instant / clock.rate
+    assert clock.after(time, instant) == (wanted.numerator, wanted.denominator)
 
 
 def test_the_strategy_reaches_what_it_should() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import pickle
 
 import numpy as np
 import pytest
@@ -92,3 +93,14 @@ def test_such_a_time_of_a_mesh_too() -> None:
     writer.begin("mesh")
     with pytest.raises(EncodeError, match="npz: frame 0"):
         writer.frame(MeshFrame(0, (1, 1 << 63), True, ((0, 0),), None, None))
+
+
+def test_a_frame_is_a_value() -> None:
+    """Frozen, without other attributes, equal by fields, and whole after a trip to another process."""
+    frame = FaceFrame(3, (1, 25), True, (None,) * 68, (1, 2, 3, 0), None, "T" * 68, baps={1: 2})
+    for name in ("index", "faps", "other"):
+        with pytest.raises(AttributeError):
+            setattr(frame, name, 4)
+    assert not hasattr(frame, "__dict__")
+    assert pickle.loads(pickle.dumps(frame)) == frame == frame._replace(index=3) != frame._replace(index=4)
+    assert repr(frame).startswith("FaceFrame(index=3, time=(1, 25), intra=True, faps=(None, ")

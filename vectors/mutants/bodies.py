@@ -82,8 +82,9 @@ mutant(
     ["FBA-40", "FBA-34"],
     edit(
         "face.reconstruct:reconstruct",
-        "return [_frame(state, plane, time, state.letters_without, baps)]",
-        "return [_frame(state, plane, time, state.letters_without if baps is None else 'U' * 68, baps)]",
+        "return [_frame(state, plane, time, shown_values(state), state.letters_without, baps)]",
+        "return [_frame(state, plane, time, shown_values(state), "
+        "state.letters_without if baps is None else 'U' * 68, baps)]",
     ),
 )
 mutant(

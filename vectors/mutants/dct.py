@@ -12,8 +12,9 @@ _AC = "face.dct_syntax:_ac"
 _COEFFICIENT = "face.dct_syntax:_coefficient"
 _HIGH = "face.dct_syntax:_high_level"
 _VALUES = "face.reconstruct:segment_values"
-_INVERSE = "face.dct_transform:inverse_transform"
-_ROUND = "face.dct_transform:reconstruct_values"
+_READING = "face.dct_transform:Inverse.__init__"
+_INVERSE = "face.dct_transform:_inverse"
+_ROUND = "face.dct_transform:round_half_away"
 _STEP = "face.dct_transform:ac_step"
 _BASIS = "face.dct_transform:basis"
 
@@ -21,13 +22,13 @@ mutant(
     "dct.step.dc-ratio-4",
     "The DC step is a quarter of the AC step",
     ["DCT-5"],
-    edit(_INVERSE, "reading.dc_step_ratio * reading.dc_divisor", "4 * reading.dc_divisor"),
+    edit(_READING, "reading.dc_step_ratio * reading.dc_divisor", "4 * reading.dc_divisor"),
 )
 mutant(
     "dct.step.dc-ratio-1",
     "DC and AC have the same step",
     ["DCT-5"],
-    edit(_INVERSE, "denominator * reading.dc_step_ratio * reading.dc_divisor", "denominator * reading.dc_divisor"),
+    edit(_READING, "reading.dc_step_ratio * reading.dc_divisor", "reading.dc_divisor"),
 )
 mutant(
     "dct.step.quant-0-lossless",
@@ -77,8 +78,8 @@ mutant(
     ["DCT-6"],
     edit(
         _INVERSE,
-        "value = coefficients[k] * numerator / denominator",
-        "value = (coefficients[k] + (0.5 if coefficients[k] > 0 else -0.5)) * numerator / denominator",
+        "value = level * numerator / denominator",
+        "value = (level + (0.5 if level > 0 else -0.5)) * numerator / denominator",
     ),
 )
 mutant(
@@ -115,16 +116,16 @@ mutant(
     "The instants of a segment come out last first",
     ["DCT-7"],
     edit(
-        _INVERSE,
-        "return tuple([total + constant for total in sums])",
-        "return tuple([total + constant for total in sums[::-1]])",
+        "face.dct_transform:block_values",
+        "_inverse(blocks, at, dc, numerator, denominator, inverse)",
+        "_inverse(blocks, at, dc, numerator, denominator, inverse)[::-1]",
     ),
 )
 mutant(
     "dct.idct.truncated",
     "Values are cut toward zero",
     ["DCT-7"],
-    edit(_ROUND, "whole + 1 if rest >= 0.5 else whole - 1 if rest <= -0.5 else whole", "whole"),
+    edit(_ROUND, "rest = value - float(whole)", "rest = 0.0"),
 )
 mutant(
     "dct.idct.halves-up",
@@ -137,11 +138,7 @@ mutant(
     "dct.idct.halves-to-even",
     "Halves are rounded to the even integer",
     ["DCT-7", "DCT-8"],
-    edit(
-        _ROUND,
-        "out.append(whole + 1 if rest >= 0.5 else whole - 1 if rest <= -0.5 else whole)",
-        "out.append(round(value))",
-    ),
+    edit(_ROUND, "whole = int(value)", "return round(value)"),
     survives="a value from a segment may be off by 1 (DCT-8); the reference alone is held to the halves, by unit tests",
 )
 mutant(
@@ -172,13 +169,13 @@ mutant(
     "dct.dc.inter-as-value",
     "The inter DC is the value, not the difference to the last segment's",
     ["DCT-3"],
-    edit(_VALUES, "coefficients[0] += state.dct_dc[fap]", "pass"),
+    edit(_VALUES, "dc += state.dct_dc[fap]", "pass"),
 )
 mutant(
     "dct.dc.inter-predicts-from-values",
     "The inter DC is predicted from the last decoded value",
     ["DCT-3", "DCT-13"],
-    edit(_VALUES, "coefficients[0] += state.dct_dc[fap]", "coefficients[0] += faps.values[fap]"),
+    edit(_VALUES, "dc += state.dct_dc[fap]", "dc += values[fap]"),
 )
 mutant(
     "dct.dc.predictor-not-updated",
@@ -186,8 +183,8 @@ mutant(
     ["DCT-3"],
     edit(
         _VALUES,
-        "state.dct_dc[fap] = coefficients[0]",
-        "state.dct_dc[fap] = coefficients[0] if is_intra else state.dct_dc[fap]",
+        "state.dct_dc[fap] = dc",
+        "state.dct_dc[fap] = dc if is_intra else state.dct_dc[fap]",
     ),
 )
 mutant(
@@ -214,8 +211,8 @@ mutant(
     ["DCT-3"],
     edit(
         _VALUES,
-        "coefficients[0] += state.dct_dc[fap]",
-        "coefficients[0] += 0 if run.dc_escape else state.dct_dc[fap]",
+        "dc += state.dct_dc[fap]",
+        "dc += 0 if segment.runs[at // SEGMENT].dc_escape else state.dct_dc[fap]",
     ),
 )
 mutant(
@@ -241,7 +238,7 @@ mutant(
     "dct.ac.end-behind-index-15",
     "Behind a coefficient at index 15 an end symbol is expected",
     ["DCT-4"],
-    edit(_AC, 'if io.readings.end_after_last == "sent":', "if True:"),
+    edit("face.dct_syntax:_end_follows", 'io.readings.end_after_last == "sent"', "True"),
 )
 mutant(
     "dct.ac.run-past-end-ends",
@@ -308,10 +305,7 @@ mutant(
     "dct.order.descending",
     "FAPs of a segment are taken in descending order",
     ["DCT-1"],
-    edit(
-        _VALUES, "zip(faps.selected, segment.runs, strict=True)", "zip(faps.selected[::-1], segment.runs, strict=True)"
-    ),
-    edit(_VALUES, "zip(faps.selected, series)", "zip(faps.selected[::-1], series)"),
+    edit(_VALUES, "for fap in selected:", "for fap in selected[::-1]:"),
 )
 mutant(
     "dct.order.all-dc-first",
@@ -368,8 +362,8 @@ mutant(
     "dct.viseme.predictor-not-kept",
     "The predictor of the first instant of an inter segment is 0",
     ["DCT-9", "DCT-10", "DCT-13"],
-    edit(_VALUES, "state.dct_viseme = segment.viseme[-1]", "pass"),
-    edit(_VALUES, "state.dct_expression = segment.expression[-1]", "pass"),
+    edit("face.reconstruct:keep_high_level", "state.dct_viseme = segment.viseme[-1]", "pass"),
+    edit("face.reconstruct:keep_high_level", "state.dct_expression = segment.expression[-1]", "pass"),
 )
 mutant(
     "dct.viseme.def-once",
@@ -418,7 +412,7 @@ mutant(
     "dct.highlevel.scaled",
     "Blend and intensities are multiplied by the scale",
     ["DCT-11"],
-    edit(_VALUES, 'if readings.dct_intensity == "scaled" else 1', "if True else 1"),
+    edit("face.reconstruct:high_level_instant", 'if state.readings.dct_intensity == "scaled" else 1', "if True else 1"),
 )
 mutant(
     "dct.highlevel.range-not-checked",
@@ -489,9 +483,8 @@ mutant(
     ["DCT-14", "FBA-34"],
     edit(
         "face.reconstruct:reconstruct",
-        "_frame(state, plane, state.clock.after(time, t), state.letters_with_data,",
-        "_frame(state, plane, state.clock.after(time, t), state.letters_with_data if t == 0 else "
-        "state.letters_without,",
+        "_frame(state, plane, state.clock.after(time, t), shown, letters,",
+        "_frame(state, plane, state.clock.after(time, t), shown, letters if t == 0 else state.letters_without,",
     ),
 )
 mutant(

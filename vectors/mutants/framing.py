@@ -131,8 +131,9 @@ mutant(
     ["FBA-5", "FBA-34"],
     edit(
         "face.reconstruct:reconstruct",
-        "return [_frame(state, plane, time, state.letters_without, baps)]",
-        "return [_frame(state, plane, time, state.letters_without, baps)] if plane.baps is not None else []",
+        "return [_frame(state, plane, time, shown_values(state), state.letters_without, baps)]",
+        "return [_frame(state, plane, time, shown_values(state), state.letters_without, baps)] "
+        "if plane.baps is not None else []",
     ),
 )
 mutant(
