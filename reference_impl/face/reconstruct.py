@@ -17,7 +17,7 @@ from .parameters import I_MAX, I_MIN, high_level_quantised
 from .records import FbaPlane, ParameterData
 from .state import FaceState, ParameterState
 
-_NONE: Final = (None,) * SEGMENT
+_NONE: Final[tuple[int | None, ...]] = (None,) * SEGMENT
 
 
 def reconstruct(state: FaceState, plane: FbaPlane) -> list[FaceFrame]:
@@ -99,9 +99,10 @@ def segment_values(state: FaceState, segment: SegmentData, is_intra: int) -> lis
         values[fap] = instants[-1]
         series[fap - 1] = instants
         at += SEGMENT
+    letters = state.letters_with_data
     for number in state.shown:
         # Those that are not coded keep their value.
-        if series[number - 1] is _NONE:
+        if letters[number - 1] == "R":
             series[number - 1] = (values[number],) * SEGMENT
     return list(zip(*series, strict=True))
 
