@@ -8,19 +8,16 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 
 from .common import Common, Output, common_options, open_binary, progress
 from .encode_mesh import MeshOptions, encode_meshes, kind_of
-
-if TYPE_CHECKING:
-    from snhc.reference_impl.face.encode import EncoderOptions
-    from snhc.reference_impl.syntax.writer import Writer
 
 _LAST_FAP: Final = 68
 _PIECE: Final = 1 << 16
@@ -197,29 +194,39 @@ class FaceOptions:
 
 
 def encode_faces(text: Iterable[bytes], options: FaceOptions, common: Common) -> None:
-    """A `.fap` text to a stream: read and written together, or collected where .epf or .bap files refer to its frames.
+    """A `.fap` text to a stream, with the .epf and .bap texts that go with it: all read while it is written.
 
     Rules: CNF-22, FBA-52, FBA-54.
     """
+    from snhc.reference_impl.face.bap_text import BapReader
     from snhc.reference_impl.face.encode import EncoderOptions
+    from snhc.reference_impl.face.epf_text import EpfReader
     from snhc.reference_impl.face.fap_text import FapReader
     from snhc.reference_impl.syntax.writer import Writer
     from snhc.reference_impl.systems.encoding import encode_text
 
     how = EncoderOptions(intra_period=options.intra_period, ranges=options.ranges, start_codes=options.start_codes)
     writer = Writer(limits=common.limits, profile=common.entropy_profile())
-    with Output(common.output, common.keep_partial) as out:
-        if options.epf is not None or options.bap is not None:
-            out.write(_collected(text, options, how, writer, common))
-            return
+    with ExitStack() as stack:
+        out = stack.enter_context(Output(common.output, common.keep_partial))
         reader = FapReader(text, strict=common.strict, limits=common.limits)
+        parameters = bodies = None
+        if options.epf is not None:
+            stream = stack.enter_context(open_binary(options.epf))
+            parameters = EpfReader(stream, strict=common.strict, limits=common.limits)
+        if options.bap is not None:
+            stream = stack.enter_context(open_binary(options.bap))
+            bodies = BapReader(stream, strict=common.strict, limits=common.limits)
         with progress(common, "encoding", reader.nframes) as advance:
             pieces = encode_text(
                 reader,
                 writer,
                 how,
+                epf=parameters,
+                baps=bodies,
                 masks=options.masks,
                 quant=options.quant,
+                bap_quant=options.bap_quant,
                 gender=options.gender,
                 partial_type=options.mask_type,
                 mode=options.mode,
@@ -230,50 +237,6 @@ def encode_faces(text: Iterable[bytes], options: FaceOptions, common: Common) ->
             )
             for piece in pieces:
                 out.write(piece)
-        for finding in reader.findings():
-            common.report(finding)
-
-
-def _collected(
-    text: Iterable[bytes], options: FaceOptions, how: EncoderOptions, writer: Writer, common: Common
-) -> bytes:
-    from snhc.reference_impl.face.bap_text import read_bap
-    from snhc.reference_impl.face.epf_text import read_epf
-    from snhc.reference_impl.face.fap_text import read_fap
-    from snhc.reference_impl.face.masks import with_masks
-    from snhc.reference_impl.systems.encoding import encode_fap
-    from snhc.reference_impl.systems.stream import write_stream
-
-    faps = read_fap(text, strict=common.strict, limits=common.limits)
-    parameters = bodies = None
-    findings = faps.findings
-    if options.epf is not None:
-        with open_binary(options.epf) as stream:
-            parameters = read_epf(stream, strict=common.strict, limits=common.limits)
-        findings = findings + parameters.findings
-    if options.bap is not None:
-        with open_binary(options.bap) as stream:
-            bodies = read_bap(stream, strict=common.strict, limits=common.limits)
-        findings = findings + bodies.findings
-    for finding in findings:
-        common.report(finding)
-    if options.masks is not None:
-        faps = with_masks(faps, options.masks)
-    total = len(faps.frames) if parameters is None else len(parameters.frames)
-    with progress(common, "encoding", total) as advance:
-        items = encode_fap(
-            faps,
-            how,
-            epf=parameters,
-            baps=bodies,
-            quant=options.quant,
-            bap_quant=options.bap_quant,
-            gender=options.gender,
-            partial_type=options.mask_type,
-            mode=options.mode,
-            profile=options.profile,
-            end_code=options.end_code,
-            on_finding=common.report,
-            on_progress=advance,
-        )
-    return write_stream(items, writer)
+        for one in (reader, parameters, bodies):
+            for finding in one.findings() if one is not None else ():
+                common.report(finding)

@@ -8,13 +8,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Generic, TypeVar
 
 from ..bitstream.errors import EncodeError, InconsistentSemantics
 from ..syntax.temporal import TemporalHeader
 from .bap_text import BapFile, BapTextFrame
-from .epf_text import CodedFrame, EncoderParameters, PartParameters
+from .epf_text import CodedFrame, PartParameters
 from .fap_text import FapFile, FapTextFrame
 from .parameters import ParameterSet, bap_set, fap_set
+
+_Frame = TypeVar("_Frame", FapTextFrame, BapTextFrame)
 
 
 @dataclass(slots=True)
@@ -115,6 +118,29 @@ def selected_of(parameters: ParameterSet, types: list[int], masks: list[int]) ->
     return out
 
 
+class _Ascending(Generic[_Frame]):
+    """The frames of a text, read as far as they are asked for; their numbers ascend."""
+
+    def __init__(self, frames: Iterable[_Frame]) -> None:
+        self._rest: Iterator[_Frame] = iter(frames)
+        self.at: _Frame | None = next(self._rest, None)
+
+    def step(self) -> None:
+        """To the next frame; `at` is None behind the last."""
+        self.at = next(self._rest, None)
+
+    def find(self, number: int) -> _Frame | None:
+        """The frame of this number, None where there is none; what lies before it is passed."""
+        while self.at is not None and self.at.number < number:
+            self.step()
+        return self.at if self.at is not None and self.at.number == number else None
+
+    def finish(self) -> None:
+        """Read to the end: a fault there is one, too."""
+        while self.at is not None:
+            self.step()
+
+
 def requests_of(
     faps: FapFile,
     *,
@@ -125,29 +151,20 @@ def requests_of(
     baps: BapFile | None = None,
     bap_quant: int = 1,
 ) -> Iterator[PlaneRequest]:
-    """One request per frame of a `.fap` file.
-
-    Rules: FBA-54. A gap in the frame numbers becomes `skip_frames` of the plane before it; the rate stands in the
-    first plane. BAP frames (`baps`) of the same number ride along; others are an InconsistentSemantics.
-    """
-    bodies = {frame.number: frame for frame in baps.frames} if baps is not None else {}
-    known = {frame.number for frame in faps.frames}
-    for number in bodies:
-        if number not in known:
-            raise InconsistentSemantics(
-                "FBA-53", "frame number", value=number, line=bodies[number].line, allowed="one that the .fap file has"
-            )
-    requests = face_requests(
-        faps.frames, faps.frame_rate, quant=quant, gender=gender, coding_type=coding_type, partial_type=partial_type
+    """One request per frame of a `.fap` file, as `requests_for`. Rules: FBA-54."""
+    return requests_for(
+        faps.frames,
+        faps.frame_rate,
+        quant=quant,
+        gender=gender,
+        coding_type=coding_type,
+        partial_type=partial_type,
+        bodies=baps.frames if baps is not None else (),
+        bap_quant=bap_quant,
     )
-    for request in requests:
-        body = bodies.get(request.number)
-        if body is not None:
-            request.body = _body_request(body, bap_quant, gender)
-        yield request
 
 
-def face_requests(
+def requests_for(
     frames: Iterable[FapTextFrame],
     rate: Fraction,
     *,
@@ -155,8 +172,35 @@ def face_requests(
     gender: int = 0,
     coding_type: int = 0,
     partial_type: int = 1,
+    bodies: Iterable[BapTextFrame] = (),
+    bap_quant: int = 1,
 ) -> Iterator[PlaneRequest]:
-    """One request per frame, as `requests_of`, without bodies; one frame is held back. Rules: FBA-54, CNF-22."""
+    """One request per frame of a text.
+
+    Rules: FBA-53, FBA-54, CNF-22. A gap in the frame numbers becomes `skip_frames` of the plane before it; the rate
+    stands in the first plane. BAP frames (`bodies`) of the same number ride along; others are an
+    InconsistentSemantics. Both texts are read in step, one frame is held back.
+    """
+    body = _Ascending(bodies)
+    for request in _face_requests(frames, rate, quant, gender, coding_type, partial_type):
+        if body.at is not None and body.at.number <= request.number:
+            if body.at.number < request.number:
+                raise _no_face(body.at)
+            request.body = _body_request(body.at, bap_quant, gender)
+            body.step()
+        yield request
+    if body.at is not None:
+        raise _no_face(body.at)
+
+
+def _no_face(frame: BapTextFrame) -> InconsistentSemantics:
+    allowed = "one that the .fap file has"
+    return InconsistentSemantics("FBA-53", "frame number", value=frame.number, line=frame.line, allowed=allowed)
+
+
+def _face_requests(
+    frames: Iterable[FapTextFrame], rate: Fraction, quant: int, gender: int, coding_type: int, partial_type: int
+) -> Iterator[PlaneRequest]:
     mask: tuple[int, ...] = ()
     types: list[int] = []
     masks: list[int] = []
@@ -195,37 +239,39 @@ def _skip(header: TemporalHeader, skipped: int) -> None:
 
 
 def requests_with(
-    parameters: EncoderParameters,
-    faps: FapFile | None,
-    baps: BapFile | None,
+    blocks: Iterable[CodedFrame],
+    frames: Iterable[FapTextFrame],
+    rate: Fraction,
     *,
     quant: int = 1,
     bap_quant: int = 1,
     gender: int = 0,
     coding_type: int = 0,
     partial_type: int = 1,
+    bodies: Iterable[BapTextFrame] = (),
 ) -> Iterator[PlaneRequest]:
-    """One request per coded frame of an `.epf` file.
+    """One request per coded frame of an `.epf` text.
 
-    Rules: FBA-52. Its masks override those of the text files; what it does not say stays as last said. A frame that
-    the text file does not have, or a value that it does not give, is an InconsistentSemantics. The other arguments
-    hold until the parameters say otherwise.
+    Rules: FBA-52, CNF-22. Its masks override those of the text files; what it does not say stays as last said. `rate`
+    stands in the first plane where the parameters name none. The numbers of frames ascend; a frame that the text does
+    not have, or a value that it does not give, is an InconsistentSemantics. The other arguments hold until the
+    parameters say otherwise. All texts are read in step, to their ends.
     """
-    faces = {frame.number: frame for frame in faps.frames} if faps is not None else {}
-    bodies = {frame.number: frame for frame in baps.frames} if baps is not None else {}
+    face_text, body_text = _Ascending(frames), _Ascending(bodies)
     face_state = _Sticky(10, quant, gender, coding_type, partial_type)
     body_state = _Sticky(24, bap_quant, gender, 0, 1)
-    for i, coded in enumerate(parameters.frames):
+    last_face = last_body = -1
+    for i, coded in enumerate(blocks):
         header = TemporalHeader()
         _header_of(header, coded.body)
         _header_of(header, coded.face)
-        if i == 0 and not header.is_frame_rate and faps is not None:
-            set_rate(header, faps.frame_rate)
+        if i == 0 and not header.is_frame_rate:
+            set_rate(header, rate)
         face = body = None
         number = i
         if coded.fba_object_mask & 1:
-            number = coded.face.frame if coded.face.frame is not None else i
-            text = faces.get(number)
+            number = last_face = _number_of("FFR", coded.face, i, last_face, coded)
+            text = face_text.find(number)
             if text is None:
                 raise _missing("FFR", number, coded, "a frame of the .fap file")
             face = face_state.request(coded.face, fap_set(), text, coded)
@@ -233,12 +279,23 @@ def requests_with(
             face.expression = text.expression
             _needs_high_level(face, coded)
         if coded.fba_object_mask & 2:
-            number = coded.body.frame if coded.body.frame is not None else i
-            text_body = bodies.get(number)
+            number = last_body = _number_of("BFR", coded.body, i, last_body, coded)
+            text_body = body_text.find(number)
             if text_body is None:
                 raise _missing("BFR", number, coded, "a frame of the .bap file")
             body = body_state.request(coded.body, bap_set(), text_body, coded)
         yield PlaneRequest(number, header, coded.is_intra, face, body)
+    face_text.finish()
+    body_text.finish()
+
+
+def _number_of(tag: str, part: PartParameters, block: int, last: int, coded: CodedFrame) -> int:
+    number = block if part.frame is None else part.frame
+    if number <= last:
+        # A reader sees to the numbers that stand there; the number of a block may lie below them.
+        what = f"{tag} (the number of the block)" if part.frame is None else tag
+        raise _missing(what, number, coded, f"a number above {last}")
+    return number
 
 
 def _missing(tag: str, number: int, coded: CodedFrame, allowed: str) -> InconsistentSemantics:

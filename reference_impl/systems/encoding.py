@@ -6,7 +6,9 @@ Rules: FBA-1, FBA-43, FBA-52, FBA-54, SYS-2, SYS-3.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import groupby
 
 from ..bitstream.findings import Finding
@@ -16,14 +18,14 @@ from ..bitstream.startcodes import (
     VISUAL_OBJECT_SEQUENCE,
     VISUAL_OBJECT_SEQUENCE_END,
 )
-from ..face.bap_text import BapFile
+from ..face.bap_text import BapFile, BapReader, BapTextFrame
 from ..face.dct_planes import DctEncoder
 from ..face.encode import Encoder, EncoderOptions
-from ..face.epf_text import EncoderParameters
-from ..face.fap_text import FapFile, FapReader
+from ..face.epf_text import CodedFrame, EncoderParameters, EpfReader
+from ..face.fap_text import FapFile, FapReader, FapTextFrame
 from ..face.masks import masked
 from ..face.records import FbaObject, FbaPlane
-from ..face.requests import PlaneRequest, face_requests, rate_fields, requests_of, requests_with
+from ..face.requests import PlaneRequest, rate_fields, requests_for, requests_with
 from ..face.syntax import ARITHMETIC, DCT
 from ..rules import finding as registered_finding
 from ..syntax.base import STUFFED_CODE, STUFFED_END
@@ -88,33 +90,11 @@ def encode_fap(
     `partial_type`: mask type (1 or 2) of groups of which only some FAPs are coded. `epf`: parameters per frame, which
     override these. `on_progress` is called with the number of planes so far.
     """
-    requests: Iterator[PlaneRequest]
-    if epf is not None:
-        requests = requests_with(
-            epf,
-            faps,
-            baps,
-            quant=quant,
-            bap_quant=bap_quant,
-            gender=gender,
-            coding_type=DCT if mode == "dct" else ARITHMETIC,
-            partial_type=partial_type,
-        )
-    else:
-        requests = requests_of(
-            faps,
-            quant=quant,
-            gender=gender,
-            coding_type=DCT if mode == "dct" else ARITHMETIC,
-            partial_type=partial_type,
-            baps=baps,
-            bap_quant=bap_quant,
-        )
-    if on_finding is not None:
-        _check_rate(faps.frame_rate, on_finding)
-    planes = encode_requests(requests, options, on_finding)
-    if on_progress is not None:
-        planes = _counted(planes, on_progress)
+    planes = _planes(
+        faps.frames, faps.frame_rate, options, epf.frames if epf is not None else None,
+        baps.frames if baps is not None else (), _Defaults(quant, bap_quant, gender, mode, partial_type), on_finding,
+        on_progress,
+    )  # fmt: skip
     return stream_of(planes, profile=profile, end_code=end_code)
 
 
@@ -123,8 +103,11 @@ def encode_text(
     writer: Writer,
     options: EncoderOptions | None = None,
     *,
+    epf: EpfReader | None = None,
+    baps: BapReader | None = None,
     masks: Collection[int] | None = None,
     quant: int = 1,
+    bap_quant: int = 1,
     gender: int = 0,
     partial_type: int = 1,
     mode: str = "arithmetic",
@@ -135,27 +118,51 @@ def encode_text(
 ) -> Iterator[bytes]:
     """A `.fap` text that is read while the stream is written, piece by piece.
 
-    Rules: FBA-43, FBA-54, DCT-13, CNF-22. Memory does not grow with the text. `masks`: the FAPs that every frame is
-    to code, None for its own. The other arguments as for `encode_fap`; the findings of the text itself are complete
-    at the end (`text.findings()`).
+    Rules: FBA-43, FBA-52, FBA-54, DCT-13, CNF-22. `epf`, `baps`: read in step with it; memory grows with none of
+    them. `masks`: the FAPs that every frame is to code, None for its own. The other arguments as for `encode_fap`; the
+    findings of the texts themselves are complete at the end (`text.findings()`).
     """
-    if on_finding is not None:
-        _check_rate(text.frame_rate, on_finding)
-    planes = encode_requests(
-        face_requests(
-            text if masks is None else masked(text, masks),
-            text.frame_rate,
-            quant=quant,
-            gender=gender,
-            coding_type=DCT if mode == "dct" else ARITHMETIC,
-            partial_type=partial_type,
-        ),
-        options,
-        on_finding,
-    )
-    if on_progress is not None:
-        planes = _counted(planes, on_progress)
+    planes = _planes(
+        text if masks is None else masked(text, masks), text.frame_rate, options, epf, baps if baps is not None else (),
+        _Defaults(quant, bap_quant, gender, mode, partial_type), on_finding, on_progress,
+    )  # fmt: skip
     yield from write_pieces(stream_around(planes, profile=profile, end_code=end_code), writer)
+
+
+@dataclass(frozen=True, slots=True)
+class _Defaults:
+    quant: int
+    bap_quant: int
+    gender: int
+    mode: str
+    partial_type: int
+
+
+def _planes(
+    frames: Iterable[FapTextFrame],
+    rate: Fraction,
+    options: EncoderOptions | None,
+    blocks: Iterable[CodedFrame] | None,
+    bodies: Iterable[BapTextFrame],
+    defaults: _Defaults,
+    on_finding: Callable[[Finding], None] | None,
+    on_progress: Callable[[int], None] | None,
+) -> Iterator[FbaPlane]:
+    make = requests_for if blocks is None else partial(requests_with, blocks)
+    requests = make(
+        frames,
+        rate,
+        quant=defaults.quant,
+        bap_quant=defaults.bap_quant,
+        gender=defaults.gender,
+        coding_type=DCT if defaults.mode == "dct" else ARITHMETIC,
+        partial_type=defaults.partial_type,
+        bodies=bodies,
+    )
+    if on_finding is not None:
+        _check_rate(rate, on_finding)
+    planes = encode_requests(requests, options, on_finding)
+    return planes if on_progress is None else _counted(planes, on_progress)
 
 
 def _check_rate(rate: Fraction, on_finding: Callable[[Finding], None]) -> None:

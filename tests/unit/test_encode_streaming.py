@@ -9,15 +9,18 @@ from random import Random
 
 import pytest
 
-from snhc.reference_impl.bitstream.errors import EncodeError, InputFormat
+from snhc.reference_impl.bitstream.errors import EncodeError, InconsistentSemantics, InputFormat
 from snhc.reference_impl.bitstream.sink import BitSink
+from snhc.reference_impl.face.bap_text import BapReader, read_bap
+from snhc.reference_impl.face.epf_text import EpfReader, read_epf
 from snhc.reference_impl.face.fap_text import FapReader, read_fap
+from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.face.masks import with_masks
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.syntax.base import END
 from snhc.reference_impl.syntax.writer import Writer
 from snhc.reference_impl.systems.encoding import encode_fap, encode_text, stream_around
-from snhc.reference_impl.systems.stream import write_pieces, write_stream
+from snhc.reference_impl.systems.stream import decode_frames, write_pieces, write_stream
 
 
 def text(frames: int, rng: Random) -> Iterator[bytes]:
@@ -43,6 +46,72 @@ def test_the_same_bytes(mode: str, masks: frozenset[int] | None, seed: int) -> N
     pieces = list(encode_text(FapReader([data]), Writer(), masks=masks, mode=mode, quant=3))
     assert b"".join(pieces) == whole
     assert len(pieces) > 2
+
+
+def companions(frames: int, rng: Random) -> tuple[bytes, bytes, bytes]:
+    """`.fap`, `.epf` and `.bap` texts of the same frames, not all of which are coded or have a body."""
+    faps, blocks, bodies = [b"2.1 generated 25 %d\n" % frames], [], [b"2.1 generated 25 %d\n" % frames]
+    mask = " ".join("1" if fap in (3, 17, 48) else "0" for fap in range(1, 69))
+    body_mask = " ".join("1" if bap in (1, 50) else "0" for bap in range(1, 187))
+    number = 0
+    for i in range(frames):
+        values = " ".join(str(rng.randint(-900, 900)) for _ in range(3))
+        faps.append(f"{mask}\n{number} {values}\n".encode())
+        body = i == 0 or rng.random() < 0.5
+        if body:
+            bodies.append(f"{body_mask}\n{number} {rng.randint(-99, 99)} {rng.randint(-99, 99)}\n".encode())
+        if i == 0 or rng.random() < 0.8:
+            tags = [f"FBM {3 if body else 1}", f"FFR {number}"] + [f"BFR {number}"] * body
+            if i % 9 == 0:
+                tags += ["ISI 1", f"FQU {rng.randint(0, 9)}", f"CDM {rng.randint(0, 1)}"]
+            blocks.append("\n".join(tags) + "\n")
+        number += rng.choice((1, 1, 3))
+    return b"".join(faps), "".join(blocks).encode(), b"".join(bodies)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("with_epf", [True, False])
+def test_the_same_bytes_with_companions(with_epf: bool, seed: int) -> None:
+    faps, epf, baps = companions(80, Random(seed))
+    whole = write_stream(
+        encode_fap(read_fap([faps]), epf=read_epf([epf]) if with_epf else None, baps=read_bap([baps]), bap_quant=2)
+    )
+    pieces = encode_text(
+        FapReader([faps]), Writer(), epf=EpfReader([epf]) if with_epf else None, baps=BapReader([baps]), bap_quant=2
+    )
+    assert b"".join(pieces) == whole
+    frames = [frame for frame in decode_frames(whole) if isinstance(frame, FaceFrame)]
+    assert sum(frame.baps is not None for frame in frames) > 5
+
+
+def test_companions_are_read_in_step() -> None:
+    """Pieces come before any text ends; what is wrong at an end that nobody refers to is found, all the same."""
+    texts = companions(200, Random(1))
+    for broken in range(3):
+        # The last line of each, a mask of no use.
+        faps, epf, baps = ([text, b"0 0 x\n"] if n == broken else [text] for n, text in enumerate(texts))
+        pieces = encode_text(FapReader(faps), Writer(), epf=EpfReader(epf), baps=BapReader(baps))
+        assert len([next(pieces) for _ in range(5)]) == 5
+        with pytest.raises(InputFormat):
+            list(pieces)
+
+
+def test_the_numbers_of_all_blocks_ascend() -> None:
+    faps, _, _ = companions(3, Random(2))
+    epf = b"FBM 1\nFFR 1\nFBM 1\n"
+    with pytest.raises(InconsistentSemantics, match=r"FFR \(the number of the block\)=1 at line 3.*above 1"):
+        list(encode_text(FapReader([faps.replace(b"\n3 ", b"\n1 ")]), Writer(), epf=EpfReader([epf])))
+
+
+def test_a_body_without_a_face_is_refused_where_it_stands() -> None:
+    faps, _, _ = companions(4, Random(2))
+    mask = " ".join("1" if bap == 1 else "0" for bap in range(1, 187))
+    for number in (2, 99):
+        baps = f"2.1 x 25 1\n{mask}\n{number} 5\n".encode()
+        numbers = [int(line.split()[0]) for line in faps.splitlines()[2::2]]
+        assert number not in numbers
+        with pytest.raises(InconsistentSemantics, match=f"frame number={number} at line 2"):
+            list(encode_text(FapReader([faps]), Writer(), baps=BapReader([baps])))
 
 
 def test_pieces_come_before_the_text_ends() -> None:
@@ -94,6 +163,8 @@ def test_a_sink_keeps_what_may_still_change() -> None:
 MEMORY = """
 import resource, sys
 from itertools import islice, cycle
+from snhc.reference_impl.face.bap_text import BapReader, read_bap
+from snhc.reference_impl.face.epf_text import EpfReader, read_epf
 from snhc.reference_impl.face.fap_text import FapReader
 from snhc.reference_impl.syntax.base import END
 from snhc.reference_impl.syntax.writer import Writer
