@@ -2,7 +2,7 @@
 
     python tests/benchmarks/figures.py [--long] [--no-write]
 
-`--long`: streams of 100 MB also for the commands that need minutes for them. `--no-write`: compare only. Exit code 1
+`--long`: 100 MB also for the commands that need minutes for them. `--no-write`: compare only. Exit code 1
 where a figure is less than half of the committed one, calibrated; nothing else is judged: a shared machine is no
 judge of small differences.
 """
@@ -27,6 +27,7 @@ OUT = ROOT / "docs" / "benchmarks"
 COMMITTED = OUT / "figures.json"
 MEGABYTE = 1_000_000
 SLOWER = 0.5
+PEAK = ROOT / "tests" / "peak.py"
 SNHC = [sys.executable, "-m", "snhc.conformance.cli"]
 
 # Compiled form: what was to be reached (rates per second, seconds of an hour of speech).
@@ -38,13 +39,14 @@ TARGETS = {
     "hour of speech to npz": 2.0,
     "hour of speech from text": 4.0,
 }
-# Megabytes of input per command; with --long the last column too.
+# Megabytes of input per command; with --long the last column too. `encode` is measured by its .fap text alone.
 SIZES = {
     "decode": ((1, 10, 100), ()),
-    "check": ((1, 10), (100,)),
-    "encode": ((1, 10, 100), ()),
+    "check": ((1, 10, 100), ()),
+    "stats": ((1, 10), (100,)),
     "dump": ((1, 10), (100,)),
-    "stats": ((0.1, 1), (10,)),
+    "encode": ((1, 10, 100), ()),
+    "encode --epf --bap": ((1, 10), (100,)),
 }
 
 Figures = dict[str, Any]
@@ -53,11 +55,17 @@ Figures = dict[str, Any]
 def run_command(arguments: list[str], pure: bool = False) -> tuple[float, int]:
     """(processor seconds, peak KiB) of one run of the command; its output goes nowhere."""
     environment = {**os.environ, "SNHC_PURE": "1" if pure else "0"}
-    process = subprocess.Popen([*SNHC, *arguments], env=environment, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        [sys.executable, str(PEAK), *arguments], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    )
+    assert process.stderr is not None
+    with process.stderr as stream:
+        said = stream.read().decode().split()
     _, status, usage = os.wait4(process.pid, 0)
-    if status:
-        raise SystemExit(f"snhc {' '.join(arguments)}: exit status {status}")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"snhc {' '.join(arguments)}: exit status {process.returncode}: {' '.join(said)}")
+    return usage.ru_utime + usage.ru_stime, int(said[-1])
 
 
 def form(pure: bool) -> str:
@@ -93,19 +101,24 @@ def hour(folder: Path, pure: bool) -> dict[str, float]:
 
 def growth(folder: Path, long: bool) -> dict[str, list[Figures]]:
     """Processor time and peak memory of the streaming commands against the size of their input."""
-    from workloads import write_speech, write_wide
+    from workloads import write_companions, write_speech, write_wide
 
     found: dict[str, list[Figures]] = {}
     for command, (sizes, more) in SIZES.items():
+        verb, *options = command.split()
         for megabytes in (*sizes, *(more if long else ())):
-            suffix = "fap" if command == "encode" else "fba"
-            file = folder / f"{megabytes}.{suffix}"
+            file = folder / f"{megabytes}.{'fap' if verb == 'encode' else 'fba'}"
+            frames = int(megabytes * MEGABYTE / 288)
             if not file.exists():
-                if command == "encode":
-                    write_speech(file, int(megabytes * MEGABYTE / 288))
+                if verb == "encode":
+                    write_speech(file, frames)
                 else:
                     write_wide(file, int(megabytes * MEGABYTE))
-            seconds, peak = run_command([command, "--quiet", str(file), "-o", os.devnull])
+            companions = []
+            if options:
+                write_companions(file, frames)
+                companions = [part for name in options for part in (name, str(file.with_suffix(f".{name[2:]}")))]
+            seconds, peak = run_command([verb, "--quiet", *companions, str(file), "-o", os.devnull])
             found.setdefault(command, []).append(
                 {"bytes": file.stat().st_size, "seconds": round(seconds, 3), "peak_kib": peak}
             )
@@ -255,7 +268,7 @@ def plots(figures: Figures, folder: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--long", action="store_true", help="100 MB also for dump and stats")
+    parser.add_argument("--long", action="store_true", help="100 MB for all commands")
     parser.add_argument("--no-write", action="store_true", help="compare with the committed figures only")
     options = parser.parse_args()
     sys.path.insert(0, str(HERE))

@@ -76,3 +76,13 @@ def write_speech(path: Path, frames: int) -> None:
     """A `.fap` file."""
     with path.open("wb") as file:
         file.writelines(speech_text(frames))
+
+
+def write_companions(path: Path, frames: int) -> None:
+    """`.epf` and `.bap` files beside a `.fap` file of `write_speech`: every frame named, two BAPs in each."""
+    mask = " ".join("1" if bap in (1, 50) else "0" for bap in range(1, 187))
+    with path.with_suffix(".epf").open("w") as blocks, path.with_suffix(".bap").open("w") as bodies:
+        bodies.write(f"2.1 speech 25 {frames}\n")
+        for number in range(frames):
+            bodies.write(f"{mask}\n{number} {number % 90} {number % 50}\n")
+            blocks.write(f"FBM 3\nFFR {number}\nBFR {number}\n" + ("ISI 1\n" if number % 25 == 0 else ""))
