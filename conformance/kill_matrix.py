@@ -311,16 +311,16 @@ class _Worker:
         kills: list[Kill] = []
         started = time.monotonic()
         while True:
-            self._connection.send((mutant, left, stop))
             now = ""
             try:
+                self._connection.send((mutant, left, stop))
                 while isinstance(answer := self._answer(), str):
                     now = answer
-            except (TimeoutError, EOFError):
+            except (OSError, EOFError):
                 self.close()
                 self._start()
                 if not now:
-                    raise RuntimeError(f"{mutant.id}: the worker ended before its first vector") from None
+                    raise MutantFault(f"{mutant.id}: the worker ended before its first vector") from None
                 kills.append(Kill(now, "timeout", "the process had to be killed"))
                 # What the process had found went with it: all others are asked again.
                 left = [id for id in left if id != now]

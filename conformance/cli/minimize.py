@@ -59,7 +59,8 @@ def command(
 
     ADAPTER: as for `snhc run`. VECTOR: an id of the suite; FILE: any stream or document, on which the decoder is held
     against the reference decoder. Planes, groups, FAPs, nodes, coefficients, headers are left out and numbers lowered.
-    The smallest input goes to -o, by default NAME.min.EXT here; what it is and how to see it fail again is printed.
+    The smallest input goes to -o, by default NAME.min.EXT here; what it is and how to see it fail again is printed. An
+    interrupt (Ctrl-C) leaves the smallest so far.
 
     Exit codes: 0 shrunk, 2 usage, 3 a file cannot be read or the decoder does not fail on it, 5 an adapter file is
     wrong. With --check: 0 it does not fail, 1 it fails.
@@ -98,6 +99,8 @@ def command(
                     None if bar is None else lambda n, _: bar(n),
                 )
             _tell(found, subject, decoder, shlex.quote(adapter) + extra, vector, folder, common)
+            if found.interrupt is not None:
+                raise found.interrupt
     finally:
         decoder.close()
 
@@ -147,9 +150,10 @@ def _tell(
     evidence = examine(entry, folder, decoder, found.outcome, found.verdict)
     before = len(subject.data) + len(subject.aux or b"")
     after = len(found.data) + len(found.aux or b"")
+    ended = "the budget is spent" if found.interrupt is None else "interrupted"
     lines = [
         f"{vector}: {before} bytes -> {after} bytes, {found.runs} runs of {decoder.name}"
-        + ("" if found.complete else "; the budget is spent, it may shrink further"),
+        + ("" if found.complete else f"; {ended}, it may shrink further"),
         f"fails as before: {found.signature}",
         f"  {found.verdict.reason}",
     ]

@@ -35,8 +35,8 @@ class Budget:
 class Minimized:
     """The result.
 
-    Rules: CNF-17. `complete`: no pass makes it smaller; else the budget was spent. `entry`: the vector made of it, in
-    the folder that was given.
+    Rules: CNF-17. `complete`: no pass makes it smaller; else the budget was spent, or an
+    `interrupt` came. `entry`: the vector made of it, in the folder that was given.
     """
 
     data: bytes
@@ -47,6 +47,7 @@ class Minimized:
     entry: Entry
     runs: int
     complete: bool
+    interrupt: KeyboardInterrupt | None = None
 
 
 class Spent(Exception):
@@ -111,7 +112,8 @@ def minimize(
     """Shrink an input on which a decoder fails.
 
     Rules: CNF-17. Deterministic, unless the time of the budget ends it. `folder`: where the inputs of the candidate
-    are written. `progress`: is told the runs and the size in bytes. Raises InputFormat where the decoder does not fail.
+    are written. `progress`: is told the runs and the size in bytes. An interrupt ends it with the
+    smallest input so far, if there is a smaller one. Raises InputFormat where the decoder does not fail.
     """
     target = Target(adapter, subject, folder)
     wanted = target.signature(subject.data, subject.aux)
@@ -121,6 +123,7 @@ def minimize(
         raise InputFormat("CNF-17", subject.entry.id, value=words, allowed=f"an input on which {adapter.name} fails")
     shrinker = Shrinker(target, subject, wanted, budget or Budget(), progress)
     complete = True
+    interrupt: KeyboardInterrupt | None = None
     try:
         while True:
             before = (shrinker.data, shrinker.aux)
@@ -134,7 +137,12 @@ def minimize(
                 break
     except Spent:
         complete = False
+    except KeyboardInterrupt as error:
+        if (shrinker.data, shrinker.aux) == (subject.data, subject.aux):
+            raise
+        # What has been found so far is worth more than nothing; whoever called decides when to go.
+        complete, interrupt = False, error
     verdict, outcome, entry = target.ask(shrinker.data, shrinker.aux)
     return Minimized(
-        shrinker.data, shrinker.aux, wanted, verdict, outcome, entry, target.runs, complete
+        shrinker.data, shrinker.aux, wanted, verdict, outcome, entry, target.runs, complete, interrupt
     )  # fmt: skip

@@ -10,10 +10,11 @@ none counts twice. A case that outlives no worker is a crash.
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from snhc.conformance.results import Result
 from snhc.conformance.scratch import scratch
@@ -22,16 +23,23 @@ from snhc.vectors.manifest import Entry
 
 from .case import Case, broken_case, run_case
 
+if TYPE_CHECKING:
+    from distributed import Client, as_completed
+
 CONNECT_SECONDS: Final = 10
 # Cases that wait at the scheduler, per thread of the cluster: enough to keep it busy, few enough to hold the files of.
 AHEAD: Final = 8
+# How long a run waits for a worker when there is none: those of a queue may only be on their way.
+ALONE_SECONDS: Final = 120.0
+_LOOK_SECONDS: Final = 1.0
+_PAUSE: Final = 0.01
 
 
 def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path | None = None) -> Iterator[Result]:
     """The results of all cases, as they come. Rules: CNF-20.
 
     Raises InputFormat without Dask, for a worker with another version of this package, OSError for an address that
-    does not answer.
+    does not answer, and where the cluster has no worker for ALONE_SECONDS.
     """
     try:
         from distributed import Client, as_completed
@@ -68,8 +76,11 @@ def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path |
         submitted: list[str] = []
         more()
         while flight:
+            _await(client, pending, address)
             future = next(pending)
             case = flight.pop(future.key)
+            if future.cancelled():
+                raise OSError(None, "the Dask scheduler has given the run up", address)
             fault = future.exception()
             if fault is None:
                 result = future.result()
@@ -81,6 +92,21 @@ def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path |
             assert isinstance(result, Result)
             yield result
             more()
+
+
+def _await(client: Client, pending: as_completed, address: str) -> None:
+    """Wait for the next result as long as there are workers, or some may still come."""
+    seen = looked = time.monotonic()
+    while not pending.has_ready():
+        time.sleep(_PAUSE)
+        now = time.monotonic()
+        if now - looked < _LOOK_SECONDS:
+            continue
+        looked = now
+        if client.nthreads():
+            seen = now
+        elif now - seen > ALONE_SECONDS:
+            raise OSError(None, f"the Dask cluster has had no worker for {ALONE_SECONDS:g} s", address)
 
 
 def _version() -> str:

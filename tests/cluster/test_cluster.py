@@ -88,6 +88,27 @@ def test_a_case_that_outlives_no_worker_is_a_crash(cluster: LocalCluster) -> Non
     assert Counter(r.status for r in report.results)["pass"] == len(report.results) - 1
 
 
+def test_a_cluster_whose_workers_are_all_gone_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("snhc.conformance.running.cluster.ALONE_SECONDS", 2.0)
+    started = time.monotonic()
+    journal = tmp_path / "journal"
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+
+        def progress(now: Progress) -> None:
+            if now.done == 5:
+                cluster.scale(0)
+
+        with pytest.raises(OSError, match="has had no worker for 2 s") as caught:
+            run(
+                MANIFEST, [Slow()], select=selector("fap.*"), cluster=cluster.scheduler_address, progress=progress,
+                journal=journal,
+            )  # fmt: skip
+        assert caught.value.filename == cluster.scheduler_address
+    assert time.monotonic() - started < 60
+    # What was there is kept.
+    assert journal.read_bytes().count(b"\n") >= 6
+
+
 def test_an_address_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("snhc.conformance.running.cluster.CONNECT_SECONDS", 1)
     done = CliRunner().invoke(command, ["--cluster", "tcp://127.0.0.1:1", "--filter", "fap.arith.example.1"])

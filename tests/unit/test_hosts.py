@@ -15,8 +15,10 @@ from pathlib import Path
 import pytest
 
 from snhc.conformance.adapters import Persistent, host, load
+from snhc.conformance.adapters.base import Claims
+from snhc.conformance.adapters.session import Session
 from snhc.conformance.runner import Result, run
-from snhc.vectors.manifest import SUITE, Manifest
+from snhc.vectors.manifest import SUITE, Entry, Manifest
 from snhc.vectors.manifest import load as load_manifest
 
 ROOT = Path(__file__).parents[2]
@@ -29,6 +31,25 @@ ENTRIES = {entry.id: entry for entry in MANIFEST.entries}
 
 def _results(adapter: Persistent, *ids: str) -> list[Result]:
     return list(run(Manifest(MANIFEST.suite, tuple(ENTRIES[id] for id in ids)), [adapter]).results)
+
+
+def test_a_question_that_cannot_be_put_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    closed: list[Session] = []
+    real = Session.close
+    monkeypatch.setattr(Session, "close", lambda self: (closed.append(self), real(self))[1])
+
+    def exceeded(self: Claims, entry: Entry, path: Path, aux: Path | None) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Claims, "exceeded", exceeded)
+    (tmp_path / "own.py").write_text("def decode(request):\n    return ''\n")
+    (tmp_path / "own.toml").write_text('object = "own:decode"\n')
+    adapter = load(tmp_path / "own.toml")
+    assert isinstance(adapter, Persistent)
+    entry = ENTRIES[VALID]
+    with pytest.raises(KeyboardInterrupt):
+        adapter.decode(entry, SUITE / entry.file)
+    assert len(closed) == 1
 
 
 def _statuses(adapter: Persistent, *ids: str) -> tuple[str, ...]:

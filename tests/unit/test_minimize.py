@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import shlex
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -18,6 +20,7 @@ from typing import Any, Self
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from signals import hears_interrupts
 
 from snhc.conformance.adapters import Outcome
 from snhc.conformance.minimize import Budget, Minimized, Subject, Target, minimize, subject_of_file, subject_of_vector
@@ -218,6 +221,28 @@ def test_the_budget_ends_it(tmp_path: Path) -> None:
     assert Target(decoder, subject, tmp_path).signature(result.data, None) == result.signature
 
 
+def test_an_interrupt_leaves_the_smallest_so_far(tmp_path: Path) -> None:
+    subject, decoder = _subject("real")
+
+    def progress(runs: int, size: int) -> None:
+        if size < len(subject.data) // 2:
+            raise KeyboardInterrupt
+
+    result = minimize(decoder, subject, tmp_path, progress=progress)
+    assert result.interrupt is not None and not result.complete
+    assert len(result.data) < len(subject.data) // 2
+    assert Target(decoder, subject, tmp_path).signature(result.data, None) == result.signature
+
+    def at_once(frames: list[dict[str, Any]], data: bytes, error: str) -> Outcome | None:
+        if len(data) < len(subject.data):
+            raise KeyboardInterrupt
+        return decoder.fault(frames, data, error)
+
+    # Nothing has been found yet: there is nothing to keep.
+    with pytest.raises(KeyboardInterrupt):
+        minimize(replace(decoder, fault=at_once), subject, tmp_path)
+
+
 def test_a_decoder_that_does_not_fail_is_said(tmp_path: Path) -> None:
     subject = subject_of_vector(ENTRIES["fap.arith.example.1"], SUITE)
     with pytest.raises(InputFormat, match="on which broken fails"):
@@ -289,6 +314,24 @@ sys.exit(decoded.error is not None)
 def _snhc(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "snhc.conformance.cli", *words]
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=False, timeout=120)
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_command_writes_the_smallest_so_far(tmp_path: Path, how: signal.Signals) -> None:
+    (tmp_path / "clips.py").write_text("import time\ntime.sleep(0.3)\n" + SCRIPT)
+    (tmp_path / "clips.toml").write_text(f'command = ["{sys.executable}", "clips.py", "{{input}}"]\n')
+    id = "fap.arith.real.parts-in-turn"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "snhc.conformance.cli", "minimize", "clips.toml", id], cwd=tmp_path,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=hears_interrupts,
+    )  # fmt: skip
+    time.sleep(8)
+    process.send_signal(how)
+    said, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + how, errors
+    assert b"interrupted, it may shrink further" in said and b"again: snhc minimize" in said
+    small = tmp_path / f"{id}.min.fba"
+    assert 0 < small.stat().st_size < (SUITE / ENTRIES[id].file).stat().st_size
 
 
 def test_the_command_leaves_a_stream_and_a_command_that_shows_the_failure_again(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from snhc.conformance.cli import snhc
-from snhc.conformance.kill_matrix import TIMEOUTS, Bench, Kill, kill_matrix, relevant_first, run_mutants
+from snhc.conformance.kill_matrix import TIMEOUTS, Bench, Kill, _Worker, kill_matrix, relevant_first, run_mutants
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.face import reconstruct
 from snhc.reference_impl.face.parameters import fap_set
@@ -240,6 +240,30 @@ def test_a_process_that_dies_or_eats_memory_is_replaced() -> None:
     assert [(one.mutant, one.kills[0].vector, one.kills[0].how) for one in found] == [
         ("it.dies", EXAMPLE, "timeout"), ("it.eats", EXAMPLE, "crash"), ("it.lives", EXAMPLE, "fail"),
     ]  # fmt: skip
+
+
+def test_the_kills_of_a_process_that_dies_are_found_by_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mutant that falls over on one vector alone: all others are asked, also those before it."""
+    wrong = "values[number] = 1 + level if number != 49 else __import__('os')._exit(3)"
+    dies = made(Edit("face.reconstruct:parameter_values", "values[number] = level * step", wrong), id="it.dies")
+    order = ["fap.arith.example.1", "fap.arith.example.2", "fap.arith.example.3"]
+    monkeypatch.setattr("snhc.conformance.kill_matrix.relevant_first", lambda mutant, entries, seconds: order)
+    (found,) = run_mutants([dies], jobs=1)
+    assert {kill.vector: kill.how for kill in found.kills} == {order[0]: "fail", order[1]: "timeout", order[2]: "fail"}
+
+
+def test_a_process_that_ends_before_its_first_vector_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    good = made(Edit("face.reconstruct:parameter_values", "values[number] = level", "values[number] = 1 + level"))
+    worker = _Worker(SUITE)
+    try:
+        worker._process.kill()
+        worker._process.join()
+        # The next one is not needed for the message.
+        monkeypatch.setattr(_Worker, "_start", lambda self: None)
+        with pytest.raises(MutantFault, match="ended before its first vector"):
+            worker.run(good, [EXAMPLE], True)
+    finally:
+        worker.close()
 
 
 def test_a_misfit_ends_the_run() -> None:
