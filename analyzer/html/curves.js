@@ -32,6 +32,7 @@ snhc.Curves = class {
     this.order = [...lively.slice(0, SHOWN_AT_FIRST), ...this.order.filter((fap) => !this.shown.has(fap))];
     this.colours = new Map(lively.map((fap, i) => [fap, HUES[i % HUES.length]]));
     this.frameOfPart = stream.parts.frame;
+    this._place();
     this._fill();
     canvas.addEventListener("click", (event) => {
       const box = canvas.getBoundingClientRect();
@@ -44,6 +45,26 @@ snhc.Curves = class {
       event.preventDefault();
     });
     new ResizeObserver(() => this.paint()).observe(canvas);
+  }
+
+  // Where frames stand on the axis: objects one after another, each has a clock of its own.
+  _place() {
+    const { time } = this.stream.face;
+    this.begins = new Set();
+    let isNew = false;
+    for (let part = 0; part < this.stream.partCount; part++) {
+      if (this.stream.kindOfPart(part) !== "fba_object") continue;
+      isNew = isNew || this.stream.opens(part);
+      if (!isNew || !this.stream.parts.frames[part]) continue;
+      if (this.frameOfPart[part] > 0) this.begins.add(this.frameOfPart[part]);
+      isNew = false;
+    }
+    this.axis = Float64Array.from(time);
+    let shift = 0;
+    for (let frame = 1; frame < time.length; frame++) {
+      if (this.begins.has(frame)) shift = this.axis[frame - 1] + (frame > 1 ? time[frame - 1] - time[frame - 2] : 0) - time[frame];
+      this.axis[frame] = time[frame] + shift;
+    }
   }
 
   _fill() {
@@ -62,11 +83,10 @@ snhc.Curves = class {
   line(fap) { return `hsl(${this.colours.get(fap)} ${snhc.isDark() ? "75% 68%" : "70% 40%"})`; }
 
   _frameAt(x, width) {
-    const { time } = this.stream.face;
-    const first = time[0];
-    const last = time[time.length - 1];
+    const first = this.axis[0];
+    const last = this.axis[this.axis.length - 1];
     const wanted = first + (Math.max(0, x - 44) / Math.max(1, width - 54)) * (last - first);
-    return Math.max(0, snhc.lastAtMost(time, wanted + 1e-9));
+    return Math.max(0, snhc.lastAtMost(this.axis, wanted + 1e-9));
   }
 
   _choose(frame) {
@@ -108,9 +128,9 @@ snhc.Curves = class {
           high = Math.max(high, value);
         }
       }
-      const first = time[0];
-      const length = time[time.length - 1] - first || 1;
-      const x = (frame) => left + ((time[frame] - first) / length) * (right - left);
+      const first = this.axis[0];
+      const length = this.axis[time.length - 1] - first || 1;
+      const x = (frame) => left + ((this.axis[frame] - first) / length) * (right - left);
       const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
       this._axes(context, { left, right, top, bottom, low, high, first, length, y });
       context.lineJoin = "round";
@@ -130,6 +150,7 @@ snhc.Curves = class {
             least = Math.min(least, column[k]);
             most = Math.max(most, column[k]);
           }
+          for (let k = frame; k < frame + step; k++) if (this.begins.has(k)) pen = false;
           if (least === Infinity) { pen = false; continue; }
           if (pen) context.lineTo(x(frame), y(least));
           else context.moveTo(x(frame), y(least));
@@ -139,8 +160,17 @@ snhc.Curves = class {
         context.stroke();
       }
       context.globalAlpha = 1;
-      context.strokeStyle = snhc.colour("accent");
       context.lineWidth = 1;
+      context.strokeStyle = snhc.colour("soft");
+      context.setLineDash([4, 4]);
+      for (const frame of this.begins) {
+        context.beginPath();
+        context.moveTo(x(frame), top);
+        context.lineTo(x(frame), bottom);
+        context.stroke();
+      }
+      context.setLineDash([]);
+      context.strokeStyle = snhc.colour("accent");
       context.beginPath();
       context.moveTo(x(this.frame), top);
       context.lineTo(x(this.frame), bottom);
@@ -168,7 +198,10 @@ snhc.Curves = class {
     for (let k = 0; k <= 4; k++) {
       const at = left + (k / 4) * (right - left);
       context.textAlign = k === 4 ? "right" : k === 0 ? "left" : "center";
-      context.fillText(`${(first + (k / 4) * length).toFixed(2)} s`, at, bottom + 15);
+      const on = first + (k / 4) * length;
+      // Of several objects each says its own time.
+      const said = this.begins.size ? this.stream.face.time[Math.max(0, snhc.lastAtMost(this.axis, on + 1e-9))] : on;
+      context.fillText(`${said.toFixed(2)} s`, at, bottom + 15);
     }
   }
 };

@@ -204,13 +204,9 @@ snhc.Stream = class {
   fapsOf(row, symbol) {
     if (row < 0 || !this.face) return [];
     const segment = this.segmentOf(row);
-    const ofLabel = (label) => {
-      const match = /^FAP (\d+)/.exec(label);
-      return match ? Number(match[1]) : label.startsWith("viseme") ? 1 : label.startsWith("expression") ? 2 : 0;
-    };
     if (segment >= 0) {
       const labels = this.labels(segment);
-      return (symbol >= 0 ? [labels[symbol]] : labels).map(ofLabel).filter((fap) => fap > 0);
+      return (symbol >= 0 ? [labels[symbol]] : labels).map(this._fapOfLabel).filter((fap) => fap > 0);
     }
     const path = this.data.paths[this.rows.path[row]];
     const group = /^fap\.group\[(\d+)\]/.exec(path);
@@ -219,7 +215,32 @@ snhc.Stream = class {
       return Array.from({ length: last - first + 1 }, (_, i) => first + i);
     }
     const single = /^fap\.fap\[(\d+)\]/.exec(path);
-    return single ? [Number(single[1])] : [];
+    if (single) return [Number(single[1])];
+    return /^fap\.new_minmax\[/.test(path) ? this._fapOfLimit(row) : [];
+  }
+
+  _fapOfLabel(label) {
+    const match = /^FAP (\d+)/.exec(label);
+    return match ? Number(match[1]) : label.startsWith("viseme") ? 1 : label.startsWith("expression") ? 2 : 0;
+  }
+
+  // A list of ranges has a value for each low-level FAP that the plane codes, in the order in which it codes them.
+  _fapOfLimit(row) {
+    const name = this.rows.element[row];
+    let number = 0;
+    let other = row;
+    for (; this.rows.path[other] === this.rows.path[row]; other--) number += this.rows.element[other] === name;
+    // Between the values are markers; `other` is the flag before the list.
+    if (!/_new_/.test(this.element(row).name)) return [];
+    const coded = [];
+    for (let at = row; at < this.partEnd(this.partOfRow(row)); at++) {
+      const segment = this.segmentOf(at);
+      const single = segment < 0 && /^fap\.fap\[(\d+)\]/.exec(this.data.paths[this.rows.path[at]]);
+      if (segment >= 0) coded.push(...this.labels(segment).map(this._fapOfLabel));
+      else if (single) coded.push(Number(single[1]));
+    }
+    const faps = [...new Set(coded)].filter((fap) => fap > 2);
+    return number <= faps.length ? [faps[number - 1]] : [];
   }
 
   // The mesh node that a row speaks of, or -1.

@@ -166,6 +166,44 @@ def test_this_bit_moves_that_vertex(face: Viewer) -> None:
     assert not any(a and b for a, b in zip(jaw, brow, strict=True))
 
 
+def test_a_value_of_a_range_list_is_of_its_fap(page: Page, tmp_path: Path) -> None:
+    # Worked stream 1: FAPs 3 and 48, all four lists.
+    viewer = Viewer(page, (SUITE / "fap" / "fap.arith.example.1.fba").read_bytes(), tmp_path / "ranges.html")
+    found = viewer.run("""
+        const s = snhc.app.stream;
+        const rows = Array.from({ length: s.rowCount }, (_, row) => row);
+        return rows.filter((row) => s.path(row).includes("new_minmax") && s.fapsOf(row, -1).length)
+          .map((row) => [s.element(row).name, s.rows.value[row], ...s.fapsOf(row, -1), row]);
+    """)
+    names = ("fap_new_i_max", "fap_new_i_min", "fap_new_p_max", "fap_new_p_min")
+    values = (18, 18, 6, 6)
+    assert [one[:3] for one in found] == [
+        [name, value, fap] for name, value in zip(names, values, strict=True) for fap in (3, 48)
+    ]
+    viewer.run(f"snhc.app.hex.choose(snhc.app.stream.start[{found[1][3]}])")
+    assert viewer.text("#head-words").startswith("FAP 48 head_pitch")
+    assert viewer.run("return [...snhc.app.curves.strong]") == [48]
+
+
+def test_objects_stand_one_after_another_on_the_axis(page: Page, tmp_path: Path) -> None:
+    one = (SUITE / "fap" / "fap.arith.example.1.fba").read_bytes()
+    # An object ends where the next one begins.
+    viewer = Viewer(page, one.removesuffix(bytes.fromhex("000001b1")) + one, tmp_path / "objects.html")
+    viewer.run("snhc.app.openView('curves', false)")
+    time, axis, begins = viewer.run(
+        "const c = snhc.app.curves; return [[...snhc.app.stream.face.time], [...c.axis], [...c.begins]]"
+    )
+    half = len(time) // 2
+    assert time[:half] == time[half:] and half > 1 and begins == [half]
+    assert all(a < b for a, b in pairwise(axis)) and axis[:half] == time[:half]
+    # Every place on the axis chooses its own frame: also those of the second object.
+    frames = viewer.run(
+        "const c = snhc.app.curves; return [...c.axis].map((_, i) => { c._choose(i); return c.frame; })"
+    )
+    assert frames == list(range(len(time)))
+    page.shot("objects")
+
+
 @cache
 def viseme_stream() -> bytes:
     """Any stream of the suite with visemes that decodes."""
