@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 GUARD_AFTER: Final = 22
 ZEROS: Final = "0" * GUARD_AFTER
 LOOK_AHEAD: Final = 14
+# Up to so many frequencies are summed one by one, more by `sum`.
+NEAR: Final = 6
 # With a symbol's bits behind it, a word stays a machine number in both forms.
 WORD: Final = 32
 
@@ -257,13 +259,21 @@ def segment_code(models: list[Model], levels: list[int], tail: int = 0) -> tuple
                 model.update(s)
             else:
                 top = model.above
-                anchor = model.anchor
-                if s >= anchor:
+                at: i64 = model.anchor
+                if s >= at:
                     model.above = top + 1
-                    if s > anchor:
-                        top -= sum(freq[anchor:s])
+                    if s - at > NEAR:
+                        top -= sum(freq[at:s])
+                    else:
+                        while at < s:
+                            top -= freq[at]
+                            at += 1
+                elif at - s > NEAR:
+                    top += sum(freq[s:at])
                 else:
-                    top += sum(freq[s:anchor])
+                    while at > s:
+                        at -= 1
+                        top += freq[at]
                 below = top - f
                 freq[s] = f + 1
                 model.total = total + 1

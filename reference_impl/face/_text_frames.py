@@ -74,6 +74,8 @@ class FrameTextReader:
         self.line = 0
         self._mask_text = b""
         self._mask_width = 0
+        # What the mask calls for; asked once per mask.
+        self._counts = (0, -1)
         self._header_line = 0
         self._nframes_column = 0
         self._pending = False
@@ -210,6 +212,7 @@ class FrameTextReader:
             self.selected = [i for i, digit in enumerate(mask) if digit]
             self._mask_text = raw
             self._mask_width = width
+            self._counts = (self.expected_fields(), self.short_fields())
         if self._mask_width == layout.odd_width:
             lines.note(layout.odd_finding, len(raw.rstrip(b" \t")))
 
@@ -217,33 +220,37 @@ class FrameTextReader:
         lines = self.lines
         raw = lines.raw
         tokens = raw.split()
-        if raw.translate(None, b" \t0123456789+-.eE"):
+        # A plain line is converted at once; everything else goes token by token, with its column.
+        plain = len(raw) < 4000 and not raw.translate(None, b" \t0123456789-")
+        if not plain and raw.translate(None, b" \t0123456789+-.eE"):
             lines.plain()
             for i, token in enumerate(tokens):
                 if token.translate(None, b"0123456789+-.eE"):
                     lines.fault(lines.position(i), self._what(i), token, "a number")
         read = len(tokens) - 1
-        expected = self.expected_fields()
-        if read != expected and read != self.short_fields():
+        expected, short = self._counts
+        if read != expected and read != short:
             at = lines.position(min(read, expected) + 1)
             lines.fault(at, f"values of frame {shown_number(tokens[0])}", b"%d" % read, expected=expected)
-        number = lines.integer(lines.position(0), "frame number", tokens[0], 0)
+        numbers: list[int] | None = None
+        if plain:
+            try:
+                numbers = list(map(int, tokens))
+            except ValueError:
+                pass
+            else:
+                if min(numbers) < INT_MIN or max(numbers) > INT_MAX:
+                    numbers = None
+        if numbers is None or numbers[0] < 0:
+            number = lines.integer(lines.position(0), "frame number", tokens[0], 0)
+        else:
+            number = numbers[0]
         if number <= self.number:
             lines.fault(lines.position(0), "frame number", tokens[0], f"above {self.number}", InconsistentSemantics)
         if self.number < 0 and number > 0:
             lines.note("text-first-frame-one", lines.position(0), str(number))
         self.number = number
-        # A plain line is converted at once; everything else goes token by token, with its column.
-        if not raw.translate(None, b" \t0123456789-") and len(raw) < 4000:
-            try:
-                fields = [int(token) for token in tokens[1:]]
-            except ValueError:
-                fields = self._slow(tokens)
-            if fields and (min(fields) < INT_MIN or max(fields) > INT_MAX):
-                fields = self._slow(tokens)
-        else:
-            fields = self._slow(tokens)
-        self.fields = fields
+        self.fields = self._slow(tokens) if numbers is None else numbers[1:]
 
     def _slow(self, tokens: list[bytes]) -> list[int]:
         lines = self.lines

@@ -112,7 +112,7 @@ def _split(stream: Iterable[bytes], rule: str, max_line: int) -> Iterator[tuple[
                 part = b"".join(carry)
                 carry.clear()
                 held = 0
-            if len(part) > max_line + part.endswith(b"\r"):
+            if len(part) > max_line and len(part) > max_line + part.endswith(b"\r"):
                 raise _too_long(number, max_line)
             yield part, True
             number += 1

@@ -7,6 +7,7 @@ Rows of equal length stand one after the other; a set flag (one byte) tells null
 
 from __future__ import annotations
 
+import struct
 from array import array
 from typing import Final, final
 
@@ -14,6 +15,7 @@ from .decoded import EXPRESSION_KEYS, VISEME_KEYS
 from .frames import FaceFrame
 
 FAPS: Final = 68
+_VALUES: Final = struct.Struct(f"{FAPS}q")
 _NO_VISEME: Final = array("q", [0] * len(VISEME_KEYS))
 _NO_EXPRESSION: Final = array("q", [0] * len(EXPRESSION_KEYS))
 
@@ -28,14 +30,14 @@ class FaceColumns:
     """
 
     __slots__ = (
-        "baps", "coding_type", "expression", "expression_set", "fap_quant", "faps", "faps_set",
+        "_flags", "_unset", "baps", "coding_type", "expression", "expression_set", "fap_quant", "faps", "faps_set",
         "gender", "intra", "rows", "state", "time", "viseme", "viseme_set",
     )  # fmt: skip
 
     def __init__(self) -> None:
         self.rows = 0
         self.time = array("q")
-        self.faps = array("q")
+        self.faps = bytearray()
         self.viseme = array("q")
         self.expression = array("q")
         self.gender = array("b")
@@ -47,22 +49,16 @@ class FaceColumns:
         self.expression_set = bytearray()
         self.state = bytearray()
         self.baps: dict[int, dict[int, int]] = {}
+        # Which values of the last row were None, and its set flags: those of the next row are mostly the same.
+        self._unset: list[int] = []
+        self._flags = b"\1" * FAPS
 
     def add(self, frame: FaceFrame) -> None:
         """Append one frame. Rules: CNF-1. Raises OverflowError for more than 64 bits, and appends nothing then."""
         # Exact times need more bits with every change of the rate.
         time = array("q", frame.time)
-        values: list[int] = []
-        flags: list[int] = []
-        for value in frame.faps:
-            if value is None:
-                values.append(0)
-                flags.append(0)
-            else:
-                values.append(value)
-                flags.append(1)
-        self.faps.fromlist(values)
-        self.faps_set += bytes(flags)
+        self.faps += self._packed(frame.faps)
+        self.faps_set += self._flags
         self.time.extend(time)
         self.intra.append(frame.intra)
         viseme = frame.viseme
@@ -78,3 +74,26 @@ class FaceColumns:
         if frame.baps is not None:
             self.baps[self.rows] = frame.baps
         self.rows += 1
+
+    def _packed(self, faps: tuple[int | None, ...]) -> bytes:
+        values = list(faps)
+        as_before = True
+        for i in self._unset:
+            if values[i] is not None:
+                as_before = False
+                break
+            values[i] = 0
+        if as_before:
+            try:
+                # Refuses None, so that no other value than those is unset.
+                return _VALUES.pack(*values)
+            except struct.error:
+                pass
+        flags = bytes([value is not None for value in faps])
+        try:
+            packed = _VALUES.pack(*[0 if value is None else value for value in faps])
+        except struct.error:
+            raise OverflowError("a value of more than 64 bits") from None
+        self._unset = [i for i, value in enumerate(faps) if value is None]
+        self._flags = flags
+        return packed

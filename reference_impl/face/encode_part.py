@@ -23,11 +23,12 @@ def quantise(x: int, step: int) -> int:
     """The level of a value or difference. Rules: FBA-36. `step` 0: the level is the value."""
     if step == 0:
         return x
-    magnitude = abs(x)
-    if magnitude <= step // 2:
-        return 0
-    level = (magnitude + step // 2) // step
-    return level if x > 0 else -level
+    half = step >> 1
+    if x > half:
+        return (x + half) // step
+    if x < -half:
+        return -((half - x) // step)
+    return 0
 
 
 def smallest_v(level: int, divisor: int) -> int:

@@ -146,10 +146,10 @@ class FapReader(FrameTextReader):
             expression = (a, b, c, d, e, f)
             at += 6
         values: list[int | None] = [None] * 68
-        for i in self.selected:
-            if i > 1:
-                values[i] = fields[at]
-                at += 1
+        if at:
+            fields = fields[at:]
+        for i, value in zip(self.selected[mask[0] + mask[1] :], fields, strict=True):
+            values[i] = value
         return FapTextFrame(self.number, mask, values, viseme, expression, self.line)
 
     def _check(self, names: tuple[str, ...], start: int) -> None:

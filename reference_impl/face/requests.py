@@ -230,7 +230,7 @@ def _body_request(frame: BapTextFrame, quant: int, gender: int) -> PartRequest:
 
 
 def _targets(frame: FapTextFrame | BapTextFrame) -> dict[int, int]:
-    return {n + 1: value for n, value in enumerate(frame.values) if value is not None}
+    return {number: value for number, value in enumerate(frame.values, 1) if value is not None}
 
 
 def _skip(header: TemporalHeader, skipped: int) -> None:

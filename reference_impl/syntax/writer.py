@@ -139,10 +139,15 @@ class Writer(SyntaxIO):
         here = sink.tell()
         # A start code can be emulated by one plane, or by a run of planes without data and what follows it; a code
         # before the plane that completes it breaks both.
-        emulated = any(
-            here >= at + width and sink.bits_from(at, width) == pattern for at, width, pattern in self._suspects
-        )
-        self._suspects = [suspect for suspect in self._suspects if here < suspect[0] + suspect[1]]
+        emulated = False
+        left: list[tuple[int, int, int]] = []
+        for suspect in self._suspects:
+            at, width, pattern = suspect
+            if here < at + width:
+                left.append(suspect)
+            elif sink.bits_from(at, width) == pattern:
+                emulated = True
+        self._suspects = left
         if not emulated:
             return False
         width = 8 - (start & 7)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from ..bitstream.cursor import BitCursor
 from ..bitstream.errors import InconsistentSemantics, ResourceLimit, SnhcError
@@ -45,6 +46,8 @@ class Options:
 
 
 DEFAULT_OPTIONS = Options()
+# What a writer hands on at once: taking the bytes of each plane would cost more than copying them.
+PIECE_BITS: Final = 8 * 256
 
 
 def reader(
@@ -177,10 +180,15 @@ def write_pieces(items: Iterable[StreamItem], writer: Writer) -> Iterator[bytes]
     Memory does not grow with an object whose planes are `coming`. Raises EncodeError as `write_stream` does, when the
     pieces before have been handed on.
     """
-    for _ in visual_stream(writer, iter(items)):
-        piece = writer.take()
-        if piece:
-            yield piece
+    due = PIECE_BITS
+    try:
+        for _ in visual_stream(writer, iter(items)):
+            if writer.tell() >= due:
+                yield writer.take()
+                due = writer.tell() + PIECE_BITS
+    except (Exception, KeyboardInterrupt):
+        yield writer.take()
+        raise
     yield writer.sink.getvalue()
 
 

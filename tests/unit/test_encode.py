@@ -13,6 +13,7 @@ from snhc.reference_impl.bitstream.errors import EncodeError, InconsistentSemant
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.face.bap_text import BapFile, read_bap
 from snhc.reference_impl.face.encode import EncoderOptions
+from snhc.reference_impl.face.encode_part import quantise
 from snhc.reference_impl.face.epf_text import EncoderParameters, read_epf
 from snhc.reference_impl.face.fap_text import FapFile, read_fap
 from snhc.reference_impl.face.frames import FaceFrame
@@ -229,3 +230,14 @@ def step_of(number: int, quant: int) -> int:
     state.quant, state.scale = quant, bap_set().quant_scale[quant]
     state.set_steps()
     return state.steps[0] or 1
+
+
+@given(st.integers(-3, 3) | st.integers(), st.integers(0, 5000), st.integers(-2, 2))
+def test_levels_are_the_nearest_multiples(multiple: int, step: int, off: int) -> None:
+    """FBA-36: half a step and less is 0, else the nearest; the sign is that of the value."""
+    x = multiple * step + step // 2 + off
+    if step == 0:
+        assert quantise(x, step) == x
+    else:
+        nearest = (abs(x) + step // 2) // step if abs(x) > step // 2 else 0
+        assert quantise(x, step) == (nearest if x > 0 else -nearest)

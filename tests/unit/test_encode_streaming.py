@@ -17,7 +17,7 @@ from snhc.reference_impl.face.fap_text import FapReader, read_fap
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.face.masks import with_masks
 from snhc.reference_impl.face.records import FbaPlane
-from snhc.reference_impl.syntax.base import END
+from snhc.reference_impl.syntax.base import END, STUFFED_CODE
 from snhc.reference_impl.syntax.writer import Writer
 from snhc.reference_impl.systems.encoding import encode_fap, encode_text, stream_around
 from snhc.reference_impl.systems.stream import decode_frames, write_pieces, write_stream
@@ -40,7 +40,7 @@ def text(frames: int, rng: Random) -> Iterator[bytes]:
 @pytest.mark.parametrize("masks", [None, frozenset({3, 14, 48})])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_same_bytes(mode: str, masks: frozenset[int] | None, seed: int) -> None:
-    data = b"".join(text(120, Random(seed)))
+    data = b"".join(text(400, Random(seed)))
     faps = read_fap([data])
     whole = write_stream(encode_fap(faps if masks is None else with_masks(faps, masks), mode=mode, quant=3))
     pieces = list(encode_text(FapReader([data]), Writer(), masks=masks, mode=mode, quant=3))
@@ -166,7 +166,7 @@ from itertools import islice, cycle
 from snhc.reference_impl.face.bap_text import BapReader, read_bap
 from snhc.reference_impl.face.epf_text import EpfReader, read_epf
 from snhc.reference_impl.face.fap_text import FapReader
-from snhc.reference_impl.syntax.base import END
+from snhc.reference_impl.syntax.base import END, STUFFED_CODE
 from snhc.reference_impl.syntax.writer import Writer
 from snhc.reference_impl.systems.encoding import encode_text
 frames = int(sys.argv[1])
@@ -190,3 +190,22 @@ def test_memory_does_not_grow_with_the_text() -> None:
     assert large > 15 * small
     # KiB: collected, 6,000 frames took 20 MiB more.
     assert after < before + 4096
+
+
+def test_what_is_final_when_an_error_comes_is_handed_on() -> None:
+    """All but the last plane, though it is less than what is handed on at once (CNF-22)."""
+
+    def planes() -> Iterator[FbaPlane]:
+        for _ in range(30):
+            plane = FbaPlane()
+            plane.boundary = STUFFED_CODE
+            plane.start_code = 0x1BB
+            yield plane
+        raise RuntimeError
+
+    writer = Writer()
+    pieces = write_pieces(stream_around(planes()), writer)
+    got = [next(pieces)]
+    with pytest.raises(RuntimeError):
+        got.extend(pieces)
+    assert b"".join(got).count(b"\x01\xbb") >= 29
