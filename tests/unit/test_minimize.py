@@ -318,14 +318,23 @@ def _snhc(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_command_writes_the_smallest_so_far(tmp_path: Path, how: signal.Signals) -> None:
-    (tmp_path / "clips.py").write_text("import time\ntime.sleep(0.3)\n" + SCRIPT)
-    (tmp_path / "clips.toml").write_text(f'command = ["{sys.executable}", "clips.py", "{{input}}"]\n')
+    log = tmp_path / "log"
+    log.mkdir()
+    began = f"open({str(log / 'runs')!r}, 'a').write('x')\nimport time\ntime.sleep(0.1)\n"
+    (tmp_path / "clips.py").write_text(began + SCRIPT)
+    (tmp_path / "clips.toml").write_text(
+        f'command = ["{sys.executable}", "clips.py", "{{input}}"]\nwritable = ["{log}"]\n'
+    )
     id = "fap.arith.real.parts-in-turn"
     process = subprocess.Popen(
         [sys.executable, "-m", "snhc.conformance.cli", "minimize", "clips.toml", id], cwd=tmp_path,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=hears_interrupts,
     )  # fmt: skip
-    time.sleep(8)
+    # By then it is much smaller, and there is more to do.
+    for _ in range(1000):
+        if (log / "runs").exists() and (log / "runs").stat().st_size >= 20:
+            break
+        time.sleep(0.1)
     process.send_signal(how)
     said, errors = process.communicate(timeout=60)
     assert process.returncode == 128 + how, errors

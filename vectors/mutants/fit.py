@@ -241,7 +241,7 @@ mutant(
     edit(
         _EVALUATE,
         "faps[fap - 1] = int(values[fap - 1])",
-        "faps[fap - 1] = CACHE.setdefault((id(table), fap), int(values[fap - 1]))",
+        "faps[fap - 1] = CACHE.setdefault((id(table), fap), (table, int(values[fap - 1])))[1]",
     ),
     edit(
         _EVALUATE,
