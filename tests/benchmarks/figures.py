@@ -262,7 +262,7 @@ def plots(figures: Figures, folder: Path) -> None:
         axes.set_xlabel("input, MB")
         axes.set_ylabel(label)
         axes.grid(alpha=0.3)
-        axes.legend()
+        axes.legend(loc="lower right" if key == "seconds" else "lower left")
         figure.savefig(folder / ("memory.svg" if key == "peak_kib" else "time.svg"), metadata={"Date": None})
 
 
