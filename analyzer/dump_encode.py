@@ -39,7 +39,7 @@ def encode_dump(data: bytes, *, limits: Limits = DEFAULT_LIMITS, profile: Entrop
     the bits up to the fault and what it left unread. Raises InputFormat (with the path in the document) for what is
     no dump of a whole stream, EncodeError where the syntax cannot hold what it says.
     """
-    root = as_object(parse_json(data, rule=_RULE, what="dump"), "", _RULE)
+    root = as_object(parse_json(data, rule=_RULE, what="dump", limit=limits.json_bytes), "", _RULE)
     if root.get("format") != "snhc-dump" or root.get("version") != 1:
         raise InputFormat(_RULE, "dump", value=str(root.get("version")), allowed="snhc-dump version 1", path="version")
     for key in ("planes", "query"):

@@ -14,7 +14,8 @@ from snhc.analyzer.dump_encode import encode_dump
 from snhc.analyzer.dump_json import dump_json
 from snhc.analyzer.parts import Parts, Selection
 from snhc.conformance.cli import snhc
-from snhc.reference_impl.bitstream.errors import EncodeError, InputFormat
+from snhc.reference_impl.bitstream.errors import EncodeError, InputFormat, ResourceLimit
+from snhc.reference_impl.bitstream.limits import Limits
 from snhc.reference_impl.bitstream.source import BytesSource
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_frames, read_stream, trace_stream
 
@@ -182,3 +183,8 @@ def test_the_verbs_go_round(tmp_path: Path) -> None:
     assert run(snhc, ["dump", str(stream), "--planes", "1", "-o", str(text)]).exit_code == 0
     result = run(snhc, ["encode", str(text), "-o", str(back)])
     assert (result.exit_code, "a part of a stream" in result.stderr) == (3, True)
+
+
+def test_a_dump_may_be_too_long() -> None:
+    with pytest.raises(ResourceLimit, match="at most 10 bytes"):
+        encode_dump(b'{"format": "snhc-dump"}', limits=Limits(json_bytes=10))
