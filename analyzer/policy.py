@@ -22,11 +22,12 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat, cause
+from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.findings import SEVERITIES, Finding
 from snhc.reference_impl.bitstream.source import Source
+from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
 from snhc.reference_impl.rules import rules
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, trace_stream
 
@@ -80,16 +81,14 @@ def load_policy(path: Path) -> Policy:
 
     Rules: CNF-25. Raises OSError, and InputFormat (QueryError for an expression) with the path of the misfit.
     """
-    import tomllib
-
     with path.open("rb") as file:
         data = file.read(MOST_BYTES + 1)
     if len(data) > MOST_BYTES:
         raise InputFormat("CNF-25", "policy", value=f"{len(data)} bytes or more", allowed=f"at most {MOST_BYTES}")
     try:
-        table: dict[str, Any] = tomllib.loads(data.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputFormat("CNF-25", "policy", value=str(path), allowed=f"TOML: {cause(error)}") from error
+        table = parse_toml(data)
+    except TomlFault as error:
+        raise InputFormat("CNF-25", "policy", value=str(path), allowed=f"TOML: {error}") from error
     _typed(table, _TOP, "")
     rows = table.get("rule", [])
     if not rows or len(rows) > MOST_RULES:

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import date, timedelta
@@ -27,7 +26,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Final
 
-from snhc.reference_impl.bitstream.errors import InputFormat, cause
+from snhc.reference_impl.bitstream.errors import InputFormat
+from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
 
 from .results import Known, Note, Report, Result
 
@@ -110,9 +110,9 @@ def load(path: Path) -> Ledger:
 
     text = path.read_bytes()
     try:
-        document = tomllib.loads(text.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputFormat("CNF-15", "ledger", value=str(path), allowed=f"TOML: {cause(error)}") from error
+        document = parse_toml(text)
+    except TomlFault as error:
+        raise InputFormat("CNF-15", "ledger", value=str(path), allowed=f"TOML: {error}") from error
     # JSON Schema knows no dates: as the text that they are written as.
     plain = json.loads(json.dumps(document, default=lambda value: f"{value}"))
     schema = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))

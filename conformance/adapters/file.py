@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from snhc.conformance.process import DEFAULT_MEMORY, Surroundings, resolved
-from snhc.reference_impl.bitstream.errors import cause
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
+from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
 from snhc.vectors.manifest import KINDS
 
 from .base import DEFAULT_TIMEOUT, Adapter, AdapterFault, Claims, unknown_reading
@@ -39,12 +39,10 @@ Table = dict[str, Any]
 
 def read(path: Path) -> Table:
     """The content of an adapter file. Rules: CNF-9. Raises AdapterFault where it is no TOML, OSError."""
-    import tomllib
-
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise AdapterFault("CNF-9", "adapter file", value=str(path), allowed=f"TOML: {cause(error)}") from error
+        return parse_toml(path.read_bytes())
+    except TomlFault as error:
+        raise AdapterFault("CNF-9", "adapter file", value=str(path), allowed=f"TOML: {error}") from error
 
 
 def check(table: Table, name: str) -> None:

@@ -21,7 +21,8 @@ _TOKEN: Final = re.compile(
     re.DOTALL,
 )
 _INT: Final = re.compile(r"[+-]?[0-9]{1,18}")
-_FLOAT: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+# Possessive: a long number that ends in a letter is not tried once per digit.
+_FLOAT: Final = re.compile(r"[+-]?([0-9]++\.?[0-9]*+|\.[0-9]++)([eE][+-]?[0-9]++)?")
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,13 +10,15 @@ from typing import Final
 
 HEAD_BYTES: Final = 4096
 
-_NUMBER: Final = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+# Every repetition is possessive: an input may be made so that one which gives back is tried in as many ways as there
+# are numbers of that many bits.
+_NUMBER: Final = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
 _FDP_LINE: Final = re.compile(
-    rf"[1-9]\d?\.[1-9]\d?[\s,]+{_NUMBER}[\s,]+{_NUMBER}[\s,]+{_NUMBER}(?:[\s,]+-?\d+\.-?\d+)?\s*"
+    rf"[1-9]\d?\.[1-9]\d?[\s,]++{_NUMBER}[\s,]++{_NUMBER}[\s,]++{_NUMBER}(?:[\s,]++-?\d++\.-?\d++)?\s*+"
 )
-_FAP_LINE: Final = re.compile(r"\d+\.\d+\s+\S+\s+\d\S*\s+\d+\s*")
+_FAP_LINE: Final = re.compile(r"\d++\.\d++\s++\S++\s++\d\S*+\s++\d++\s*+")
 # `FIT {` or `DEF name FIT {`, behind comments; what stands between tokens may be a comma.
-_NODE: Final = re.compile(r"(?:[\s,]+|#[^\n]*\n)*(?:DEF[\s,]+[^\s,{}\[\]\"#]+[\s,]+)?([A-Za-z_]\w*)[\s,]*\{")
+_NODE: Final = re.compile(r"(?:[\s,]++|#[^\n]*+\n)*+(?:DEF[\s,]++[^\s,{}\[\]\"#]++[\s,]++)?([A-Za-z_]\w*+)[\s,]*+\{")
 _PICTURES: Final = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*", b"P5", b"P6")
 _OURS: Final = re.compile(rb'"format"\s*:\s*"snhc-([a-z-]{1,20})"')
 

@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import resource
+import signal
 import sys
 import tempfile
 import time
@@ -26,12 +27,21 @@ sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent)]
 GRAIN = 0.05
 TIMES = 10
 SANITIZED = "asan" in os.environ.get("LD_PRELOAD", "")
+# Long inputs of one repeated part: one for so many others.
+PUMPS_SHARE = 250
+PUMPS_AT_LEAST = 60
+# Seconds after which an input is given up.
+STUCK = 60
 # What a process may hold in all, by far the largest part of it the fuzzer and the seeds.
 MOST_MB = 1024
 
 
 class Slow(Exception):
     """An input took more than TIMES the time of valid ones of its size."""
+
+
+class Stuck(BaseException):
+    """An input does not come to an end."""
 
 
 class Large(Exception):
@@ -92,10 +102,13 @@ def main() -> int:
             from targets import TARGETS
     else:
         from targets import TARGETS
+    from structure import pumped
+
     target = TARGETS[options.target]
     seeds = list(dict.fromkeys(target.seeds()))
     meter = Meter(target.law, seeds)
     started = time.monotonic()
+    pumps = 0
 
     def report(found: str = "") -> None:
         if options.report is not None:
@@ -105,11 +118,17 @@ def main() -> int:
                     {
                         "target": target.name, "inputs": meter.inputs, "seconds": round(spent, 1),
                         "slowest_ms": round(1000 * meter.slowest, 1), "ratio": round(meter.ratio, 2), "finding": found,
-                        "guided": not options.plain, "peak_mb": round(peak_mb()),
+                        "guided": not options.plain, "pumped": pumps, "peak_mb": round(peak_mb()),
                     }
                 )
             )  # fmt: skip
 
+    rng = Random(options.seed)
+    for _ in range(max(PUMPS_AT_LEAST, int(_value(rest, "runs", "10000")) // PUMPS_SHARE)):
+        data = pumped(rng.choice(seeds), rng, rng.choice(target.pumped_to))
+        _held(meter, data, rest, report)
+        pumps += 1
+    meter.inputs = 0
     if options.plain:
         return _plain(meter, target, seeds, options.seed, rest, report)
     return _guided(meter, target, seeds, options.seed, rest, report)
@@ -132,19 +151,32 @@ def _plain(meter: Meter, target: object, seeds: list[bytes], seed: int, rest: li
         else:
             data = _bytes(data, rng)
         data = data[:longest]
-        try:
-            meter(data)
-        except BaseException as error:
-            path = Path(_value(rest, "artifact_prefix", "") + "crash-plain")
-            path.write_bytes(data)
-            report(f"{type(error).__name__}: {error}"[:300])  # type: ignore[operator]
-            print(f"finding in {path}", file=sys.stderr)  # noqa: T201
-            raise
+        _held(meter, data, rest, report)
         # Some of what came out is the ground for more.
         if rng.random() < 0.02 and len(pool) < 4 * len(seeds) + 200:
             pool.append(data)
     report()  # type: ignore[operator]
     return 0
+
+
+def _held(meter: Meter, data: bytes, rest: list[str], report: object) -> None:
+    """Run the law; what it does not hold for is kept."""
+
+    def stuck(*_: object) -> None:
+        raise Stuck(f"{len(data)} bytes take more than {STUCK} s")
+
+    signal.signal(signal.SIGALRM, stuck)
+    signal.alarm(STUCK)
+    try:
+        meter(data)
+    except BaseException as error:
+        path = Path(_value(rest, "artifact_prefix", "") + "crash-plain")
+        path.write_bytes(data)
+        report(f"{type(error).__name__}: {error}"[:300])  # type: ignore[operator]
+        print(f"finding in {path}", file=sys.stderr)  # noqa: T201
+        raise
+    finally:
+        signal.alarm(0)
 
 
 def _bytes(data: bytes, rng: Random) -> bytes:

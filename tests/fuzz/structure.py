@@ -16,6 +16,12 @@ from snhc.reference_impl.systems.visual import AnyPlane, StreamItem
 
 _NAMES = sorted({element.name for element in ELEMENTS})
 TRIES = 6
+# What readers of text repeat on: blanks, digits, signs, quotes, brackets, letters, and the bytes that end something.
+UNITS = (
+    b" ", b"\n", b"\r", b"\t", b",", b"0", b"1", b"9", b".", b"-", b"+", b"e", b"E5", b"a", b"_", b'"', b"'", b"\\",
+    b"[", b"]", b"{", b"}", b"(", b")", b"[]", b"{}", b"#", b"#\n", b"\0", b"\xff", b"\x80", b"\xc3\xa9", b"1 ", b"1\n",
+    b'"",', b'"a":1,', b"1,", b"/", b"!", b"&&", b"*", b".a", b":",
+)  # fmt: skip
 _MODES = ("wire", "value", "flip", "guard", "tail", "cut", "word")
 
 
@@ -39,6 +45,20 @@ def mutated(data: bytes, rng: Random) -> bytes:
         if out != data:
             return out
     return data
+
+
+def pumped(data: bytes, rng: Random, size: int) -> bytes:
+    """An input with one part of it repeated until it is `size` bytes long, and something before it and behind it.
+
+    What costs more than its length shows in inputs that are long and the same all over, which small mutations of small
+    inputs never become.
+    """
+    at = rng.randrange(len(data) + 1)
+    length = rng.choice((1, 1, 2, 3, 8, 40))
+    unit = rng.choice(UNITS) if rng.random() < 0.6 else data[at : at + length] or b" "
+    times = max(1, (size - len(data)) // len(unit))
+    behind = data[at + (rng.choice((0, 1, length))) :] if rng.random() < 0.7 else rng.choice((b"", b"x", b"\n"))
+    return data[:at] + unit * times + behind
 
 
 def _mutation(rng: Random) -> Mutation:

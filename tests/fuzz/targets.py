@@ -52,7 +52,11 @@ FEW = Limits(mesh_nodes_uniform=400, mesh_nodes_delaunay=200, fat_vertices=500, 
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Something to be fuzzed. `share`: of all inputs of a campaign, in parts. `streams`: inputs are visual streams."""
+    """Something to be fuzzed.
+
+    `share`: of all inputs of a campaign, in parts. `streams`: inputs are visual streams. `pumped_to`: bytes of the long
+    inputs, in which one part is repeated.
+    """
 
     name: str
     law: Law
@@ -60,6 +64,7 @@ class Target:
     share: int
     longest: int = 256
     streams: bool = False
+    pumped_to: tuple[int, ...] = (2_000, 8_000, 30_000)
 
 
 def _located(error: SnhcError, data: bytes) -> None:

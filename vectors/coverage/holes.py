@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat, cause
+from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
 
 HOLES_FILE: Final = Path(__file__).parent / "holes.toml"
 
@@ -64,11 +65,9 @@ def matches(pattern: str, text: str) -> bool:
 
 def load_holes(path: Path = HOLES_FILE) -> Holes:
     """Read the reasons. Rules: CNF-8. Raises InputFormat for a file that is out of form."""
-    import tomllib
-
     try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        table: dict[str, Any] = parse_toml(path.read_bytes())
+    except (OSError, TomlFault) as error:
         raise InputFormat("CNF-8", path.name, value=cause(error), allowed="a TOML file") from error
     found: dict[str, list[Reason]] = {"hole": [], "outside": []}
     for name, entries in table.items():
