@@ -19,20 +19,19 @@ from snhc.reference_impl.mesh.records import MeshPlane
 from snhc.reference_impl.syntax.tracer import Trace
 from snhc.reference_impl.systems.visual import AnyPlane
 
+from .dump_layout import WIDE, Layout
 from .elements import meaning, number_text, settled_bits
-from .hexdump import WIDTH, hex_lines
+from .hexdump import hex_lines
 from .parts import Part, Parts, raw_bits
 from .query import Query, Subject
 from .tree import Node, build_tree
 
-SPAN_WIDTH: Final = 20
-OFFSET_WIDTH: Final = 7
-NAME_WIDTH: Final = 56
 LEVELS_WIDTH: Final = 40
 BITS_PER_LINE: Final = 64
 # Lines of bytes that a long element shows; all of them only when asked for.
 LINES_SHOWN: Final = 4
-INDENT: Final = "  "
+# A rule with the blank before it.
+_RULE_ROOM: Final = 7
 
 _BOLD: Final = "\x1b[1m"
 _DIM: Final = "\x1b[2m"
@@ -50,12 +49,14 @@ class TreeOptions:
 
     `depth`: levels below an item that are opened, None for all: 1 shows planes as one line each. `symbols`:
     arithmetic segments symbol by symbol. `all_bytes`: long elements with all their bytes. `colour`: ANSI colours.
+    `layout`: the columns.
     """
 
     depth: int | None = None
     symbols: bool = False
     all_bytes: bool = False
     colour: bool = False
+    layout: Layout = WIDE
 
 
 def dump_tree(
@@ -81,6 +82,8 @@ class _Printer:
     def __init__(self, source: Source, options: TreeOptions) -> None:
         self._source = source
         self._options = options
+        self._layout = self._options.layout
+        self._span_width = self._layout.span
         self._most = None if options.all_bytes else LINES_SHOWN
         self._pending: list[Finding] = []
 
@@ -89,21 +92,40 @@ class _Printer:
 
     def title(self) -> str:
         """The names of the columns."""
-        left = f"{'bits':<{SPAN_WIDTH}} {'byte':<{OFFSET_WIDTH}} {'data':<{WIDTH}} "
-        return self._colour(f"{left}{'element':<{NAME_WIDTH}} rule", _DIM) + "\n"
+        layout = self._layout
+        left = f"{'bits':<{self._span_width}} "
+        left += f"{'byte':<{layout.offset}} " if layout.offset else ""
+        left += f"{'data':<{layout.data}} " if layout.data else ""
+        return self._colour(f"{left}{'element':<{self._name_width(left)}} rule", _DIM) + "\n"
+
+    def _name_width(self, left: str) -> int:
+        """How wide elements are, where a line begins like that; a narrow terminal has the rules at its right."""
+        name, most = self._layout.name, self._layout.most
+        return min(name, max(most - len(left) - _RULE_ROOM, 0)) if most else name
 
     def line(
-        self, span: tuple[int, int] | None, data: tuple[int, str] | None, text: str, rule: str = "", code: str = ""
-    ) -> str:
-        """A line: `data` is a byte offset with digits."""
+        self, span: tuple[int, int] | None, data: tuple[int, str] | None, text: str, rule: str = "", code: str = "",
+        *, fold: bool = False,
+    ) -> str:  # fmt: skip
+        """A line: `data` is a byte offset with digits. `fold`: a text that has no room goes on below."""
+        layout = self._layout
         shown_span = f"[{span[0]}, {span[1]})" if span is not None else ""
+        # Spans ascend: the column moves once where numbers grow longer.
+        self._span_width = max(self._span_width, len(shown_span)) if layout.most else self._span_width
         offset, digits = (f"{data[0]:06x}", data[1]) if data is not None else ("", "")
-        name = f"{text:<{NAME_WIDTH}}" if rule else text
+        left = f"{shown_span:<{self._span_width}} "
+        left += f"{offset:<{layout.offset}} " if layout.offset else ""
         # Colours come last: they must not count as width.
-        out = self._colour(f"{shown_span:<{SPAN_WIDTH}} {offset:<{OFFSET_WIDTH}} ", _DIM)
-        out += self._digits(digits, code) + " " * (WIDTH + 1 - len(digits))
+        out = self._colour(left, _DIM)
+        if layout.data:
+            digits = layout.fitted(digits, layout.data)
+            out += self._digits(digits, code) + " " * (layout.data + 1 - len(digits))
+            left += f"{digits:<{layout.data}} "
+        room = layout.most - len(left) - (max(len(rule) + 1, _RULE_ROOM) if rule else 0)
+        text, *more = layout.folded(text, room) if fold else [layout.fitted(text, room)]
+        name = f"{text:<{self._name_width(left)}}" if rule else text
         out += self._colour(name, code) + (" " + self._colour(rule, _CYAN) if rule else "")
-        return out.rstrip() + "\n"
+        return out.rstrip() + "\n" + "".join(" " * len(left) + self._colour(line, code) + "\n" for line in more)
 
     def _digits(self, digits: str, code: str) -> str:
         if not self._options.colour or not digits:
@@ -116,11 +138,18 @@ class _Printer:
             at = match.end()
         return out + self._colour(digits[at:], own)
 
-    def lines(self, span: tuple[int, int], text: str, rule: str = "", code: str = "") -> Iterator[str]:
+    def _data(self, span: tuple[int, int], most: int | None) -> Iterator[tuple[int, str, str]]:
+        """The bytes of a span, as many to a line as there is room for."""
+        per_line = self._layout.per_line
+        return hex_lines(self._source, *span, most, per_line) if per_line else iter(())
+
+    def lines(
+        self, span: tuple[int, int], text: str, rule: str = "", code: str = "", *, fold: bool = False
+    ) -> Iterator[str]:
         """A line with the data of its span, which may go on below it."""
-        data = hex_lines(self._source, *span, self._most)
+        data = self._data(span, self._most)
         first = next(data, None)
-        yield self.line(span, first[:2] if first is not None else None, text, rule, code)
+        yield self.line(span, first[:2] if first is not None else None, text, rule, code, fold=fold)
         for offset, digits, _ in data:
             yield self.line(None, (offset, digits), "", "", code)
 
@@ -153,13 +182,13 @@ class _Printer:
             assert plane is not None
             count = plane.end - plane.start
             text = f"plane[{part.plane_number}]: {plane_words(plane)}"
-            yield self.line((plane.start, plane.end), (plane.start >> 3, f"{count} bits"), text, code=_BOLD)
+            yield self.line((plane.start, plane.end), (plane.start >> 3, f"{count} bits"), text, code=_BOLD, fold=True)
         for row in range(len(trace)):
             above = trace.path_text(row)
             if query.takes_row(part, row, self._source):
                 element = trace.el(row)
                 text = f"{above}.{row_words(trace, row)}" if above else row_words(trace, row)
-                yield from self.lines((trace.start[row], trace.end[row]), text, element.rule)
+                yield from self.lines((trace.start[row], trace.end[row]), text, element.rule, fold=True)
             segment = trace.segments.get(row)
             if segment is None or not self._options.symbols:
                 continue
@@ -167,7 +196,7 @@ class _Printer:
                 subject = Subject(part, row, self._source, number, span)
                 if query(subject):
                     text = f"{above}.{trace.el(row).name}: {segment[1][number]} = {segment[0].levels[number]}"
-                    yield from self.lines(span, text, "FBA-23")
+                    yield from self.lines(span, text, "FBA-23", fold=True)
         if part.error is not None:
             yield self._error(part.error)
 
@@ -182,7 +211,9 @@ class _Printer:
             title += f": {plane_words(part.plane)}"
         count = child.end - child.start
         digits = f"{count} bit{'s' if count != 1 else ''}"
-        yield self.line((child.start, child.end), (child.start >> 3, digits), INDENT * level + title, code=_BOLD)
+        yield self.line(
+            (child.start, child.end), (child.start >> 3, digits), self._layout.indent * level + title, code=_BOLD
+        )
         if depth is not None and level >= depth:
             yield from self._findings(child.end, level + 1)
             return
@@ -193,12 +224,12 @@ class _Printer:
         trace = part.trace
         element = trace.el(row)
         span = trace.start[row], trace.end[row]
-        indent = INDENT * level
+        indent = self._layout.indent * level
         text = indent + row_words(trace, row)
         if row in trace.blobs:
             yield self.line(span, None, text, element.rule)
-            for offset, digits, characters in hex_lines(self._source, *span, self._most):
-                yield self.line(None, (offset, digits), f"{indent}{INDENT}|{characters}|")
+            for offset, digits, characters in self._data(span, self._most):
+                yield self.line(None, (offset, digits), f"{indent}{self._layout.indent}|{characters}|")
             return
         yield from self.lines(span, text, element.rule)
         segment = trace.segments.get(row)
@@ -208,18 +239,19 @@ class _Printer:
         if self._options.symbols and steps.steps:
             yield from self._symbols(steps, labels, level + 1)
         else:
-            yield from self._guards(steps, indent + INDENT)
+            yield from self._guards(steps, indent + self._layout.indent)
 
     def _guards(self, segment: SegmentTrace, indent: str) -> Iterator[str]:
         for position, _ in segment.guards:
             yield from self.lines((position, position + 1), f"{indent}guard", "FBA-25")
 
     def _symbols(self, segment: SegmentTrace, labels: list[str], level: int) -> Iterator[str]:
-        indent = INDENT * level
+        indent = self._layout.indent * level
         bits = raw_bits(self._source, segment.start, segment.end)
-        for at in range(0, len(bits), BITS_PER_LINE):
-            span = segment.start + at, segment.start + min(at + BITS_PER_LINE, len(bits))
-            yield self.line(span, None, indent + bits[at : at + BITS_PER_LINE])
+        count = self._layout.bits(self._span_width, len(indent), BITS_PER_LINE)
+        for at in range(0, len(bits), count):
+            span = segment.start + at, segment.start + min(at + count, len(bits))
+            yield self.line(span, None, indent + bits[at : at + count])
         yield from self._guards(segment, indent)
         width = max((len(label) for label in labels), default=0)
         yield self.line(None, None, indent + symbol_titles(width), code=_DIM)
@@ -240,17 +272,18 @@ class _Printer:
             if upto is not None and finding.bits is not None and finding.bits[1] > upto:
                 return
             self._pending.pop(0)
-            text = f"{INDENT * level}! {finding.severity} {finding.id}: {finding.message}"
-            yield self.line(finding.bits, None, text, finding.rule, _YELLOW)
+            text = f"{self._layout.indent * level}! {finding.severity} {finding.id}: {finding.message}"
+            yield self.line(finding.bits, None, text, finding.rule, _YELLOW, fold=True)
 
     def _error(self, error: SnhcError) -> str:
         span = error.bits
-        data = next(hex_lines(self._source, *span, 1), None) if span is not None else None
-        return self.line(span, data[:2] if data else None, f"error: {error}", code=_RED)
+        data = next(self._data(span, 1), None) if span is not None else None
+        return self.line(span, data[:2] if data else None, f"error: {error}", code=_RED, fold=True)
 
     def unclaimed(self, start: int, end: int) -> Iterator[str]:
         """The bits that the fault leaves unread."""
-        yield from self.lines((start, end), f"unclaimed: {end - start} bits from the fault to the end", code=_YELLOW)
+        text = f"unclaimed: {end - start} bits from the fault to the end"
+        yield from self.lines((start, end), text, code=_YELLOW, fold=True)
 
 
 def row_words(trace: Trace, row: int) -> str:

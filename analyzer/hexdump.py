@@ -20,32 +20,35 @@ WIDTH: Final = 26
 _LINES_AT_ONCE: Final = 4096
 
 
-def hex_lines(source: Source, start: int, end: int, most: int | None = None) -> Iterator[tuple[int, str, str]]:
+def hex_lines(
+    source: Source, start: int, end: int, most: int | None = None, per_line: int = PER_LINE
+) -> Iterator[tuple[int, str, str]]:
     """The bits [start, end) as lines (byte offset, digits, characters).
 
     Rules: CNF-21. `most`: at most so many lines, the last one then ends in `...`; None: all. No line for no bits.
+    `per_line`: bytes in a line; bit by bit is only what is no longer than such a line.
     """
     if end <= start:
         return
-    if end - start <= BITWISE:
-        yield start >> 3, _bitwise(source, start, end), ""
-        return
     first, last = start >> 3, (end + 7) >> 3
-    count = -(-(last - first) // PER_LINE)
+    if end - start <= BITWISE and 9 * (last - first) - 1 <= 3 * per_line + 2:
+        yield first, _bitwise(source, start, end), ""
+        return
+    count = -(-(last - first) // per_line)
     shown = count if most is None or count <= most else most
     for line in range(0, shown, _LINES_AT_ONCE):
-        begin = first + line * PER_LINE
-        data = source.read_at(begin, min(_LINES_AT_ONCE * PER_LINE, last - begin))
-        for at in range(0, min(len(data), (shown - line) * PER_LINE), PER_LINE):
-            piece = data[at : at + PER_LINE]
+        begin = first + line * per_line
+        data = source.read_at(begin, min(_LINES_AT_ONCE * per_line, last - begin))
+        for at in range(0, min(len(data), (shown - line) * per_line), per_line):
+            piece = data[at : at + per_line]
             offset = begin + at
             text = piece.hex(" ")
             if offset == first and start & 7:
                 text = "'" + text
             if offset + len(piece) == last and end & 7:
                 text += "'"
-            if count > shown and line + at // PER_LINE == shown - 1:
-                text = text[: 3 * (PER_LINE - 1) + (text[0] == "'")] + "..."
+            if count > shown and line + at // per_line == shown - 1:
+                text = text[: 3 * (per_line - 1) + (text[0] == "'")] + "..."
             yield offset, text, _characters(piece)
 
 

@@ -6,6 +6,7 @@ Rules: CNF-17, CNF-19, CNF-21, CNF-23.
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import PurePath
@@ -71,6 +72,7 @@ def command(
     if chosen == "html" and common.output is None and sys.stdout.isatty():
         raise click.UsageError("a page is not for terminals; give -o FILE.html")
     from snhc.analyzer.dump import TreeOptions, dump_tree
+    from snhc.analyzer.dump_layout import layout_for
     from snhc.analyzer.parts import Parts, Selection
     from snhc.analyzer.query import Query
     from snhc.reference_impl.systems.stream import trace_stream
@@ -94,7 +96,8 @@ def command(
             name = "standard input" if file == "-" else PurePath(file).name
             pieces = dump_html(parts, source, options, name, symbols)
         else:
-            tree = TreeOptions(depth, symbols, all_bytes, colour_allowed(out.is_terminal))
+            layout = layout_for(shutil.get_terminal_size().columns if out.is_terminal else None)
+            tree = TreeOptions(depth, symbols, all_bytes, colour_allowed(out.is_terminal), layout)
             pieces = dump_tree(parts, source, tree, wanted)
         if chosen == "tree" and out.is_terminal and not no_pager:
             _write_paged(pieces)
