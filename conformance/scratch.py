@@ -24,6 +24,7 @@ from typing import Final
 # No name that a person gives a folder, and none that an older version gave: those held no lock.
 PREFIX: Final = "snhc-scratch-"
 _NAME: Final = re.compile(rf"{PREFIX}[a-z0-9_]{{8}}")
+_OPENED: Final = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _lock: Final = threading.Lock()
 _swept: Final[set[str]] = set()
 
@@ -39,11 +40,15 @@ class Scratch:
                 sweep(Path(base))
         while True:
             self.path = Path(tempfile.mkdtemp(prefix=PREFIX, dir=base))
-            held = _held(self.path, fcntl.LOCK_EX)
-            # Before it had its lock another process may have cleared it.
-            if held is not None:
-                self.lock = held
-                return
+            # Before it has its lock another process may clear it.
+            with contextlib.suppress(FileNotFoundError):
+                self.lock = os.open(self.path, _OPENED)
+                # Where a file system knows no locks nobody gets one, and nothing is ever cleared.
+                with contextlib.suppress(OSError):
+                    fcntl.flock(self.lock, fcntl.LOCK_EX)
+                if _is_at(self.lock, self.path):
+                    return
+                os.close(self.lock)
 
     def close(self) -> None:
         """Remove it, with all that is in it. Rules: CNF-14."""
@@ -69,7 +74,7 @@ def sweep(base: Path) -> list[Path]:
             if _NAME.fullmatch(entry.name) is None:
                 continue
             path = Path(entry.path)
-            held = _held(path, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            held = _taken(path)
             if held is None:
                 continue
             try:
@@ -80,20 +85,26 @@ def sweep(base: Path) -> list[Path]:
     return gone
 
 
-def _held(path: Path, how: int) -> int | None:
+def _taken(path: Path) -> int | None:
     """A descriptor that locks a folder of ours; None where another holds it, or it is not there or not ours."""
     try:
-        held = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+        held = os.open(path, _OPENED)
     except OSError:
         return None
-    try:
-        fcntl.flock(held, how)
-        inside, outside = os.fstat(held), path.lstat()
-    except OSError:
-        os.close(held)
-        return None
-    is_same = (inside.st_dev, inside.st_ino) == (outside.st_dev, outside.st_ino)
-    if is_same and inside.st_uid == os.getuid() and stat.S_IMODE(inside.st_mode) == 0o700:
-        return held
+    with contextlib.suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        inside = os.fstat(held)
+        # Below a folder that hands its group on, the mode has that bit too.
+        is_private = stat.S_IMODE(inside.st_mode) & 0o777 == 0o700
+        if inside.st_uid == os.getuid() and is_private and _is_at(held, path):
+            return held
     os.close(held)
     return None
+
+
+def _is_at(held: int, path: Path) -> bool:
+    try:
+        inside, outside = os.fstat(held), path.lstat()
+    except FileNotFoundError:
+        return False
+    return (inside.st_dev, inside.st_ino) == (outside.st_dev, outside.st_ino)

@@ -5,6 +5,7 @@ Rules: CNF-14, CNF-20.
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -90,3 +91,43 @@ def test_a_folder_that_was_cleared_before_it_was_locked_is_made_anew(
     assert str(own.path) == made[1] and own.path.is_dir()
     own.close()
     assert list(base.iterdir()) == []
+
+
+def _once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second folder is a fault: the first one is good."""
+    real = tempfile.mkdtemp
+    monkeypatch.setattr(module.tempfile, "mkdtemp", real)
+    left = [None]
+
+    def mkdtemp(**words: str) -> str:
+        left.pop()
+        return real(**words)
+
+    monkeypatch.setattr(module.tempfile, "mkdtemp", mkdtemp)
+
+
+def test_below_a_folder_that_hands_its_group_on(base: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # What is made there has the bit too.
+    base.chmod(0o2770)
+    process, left = _holder(base)
+    process.kill()
+    process.communicate()
+    assert left.stat().st_mode & 0o7777 == 0o2700
+    _once(monkeypatch)
+    with scratch() as own:
+        assert own.is_dir() and not left.exists()
+        assert sweep(base) == []
+
+
+def test_where_there_are_no_locks_nothing_is_cleared(base: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    left = base / f"{PREFIX}leftleft"
+    left.mkdir(mode=0o700)
+
+    def flock(held: int, how: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(module.fcntl, "flock", flock)
+    _once(monkeypatch)
+    with scratch() as own:
+        assert own.is_dir()
+    assert left.is_dir() and not own.exists()
