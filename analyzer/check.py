@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.findings import Finding
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS, Limits
-from snhc.reference_impl.bitstream.source import open_source
+from snhc.reference_impl.bitstream.source import Source, open_source
 from snhc.reference_impl.documents.kinds import HEAD_BYTES, hint, kind_of_input
 from snhc.reference_impl.face.frames import FaceFrame
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_planes
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 Report = Callable[[Finding], None]
 _OUTSIDE: Final = "profile-tool"
+_PIECE: Final = 1 << 16
 
 _PROPERTIES: Final = {"points": "face", "tables": "model", "meshes": "model", "FAPs": "fit", "Graph": "fit"}
 _DOCUMENTS: Final = f"a document with one of {', '.join(_PROPERTIES)}"
@@ -83,21 +84,18 @@ def kind_of_text(head: bytes) -> str:
 def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAULT_CHECK) -> Checked:
     """Report all findings of an input; returns what it is: `face`, `model`, `fit`, `fap` or `stream`.
 
-    Rules: CNF-2, CNF-23. `stream`: opened in binary mode, with `peek` where it cannot go back. Raises what reading it
-    raises.
+    Rules: CNF-2, CNF-22, CNF-23. `stream`: opened in binary mode, at its beginning. Raises what reading it raises.
     """
-    peek = getattr(stream, "peek", None)
-    head = peek(HEAD_BYTES) if peek is not None else stream.read(HEAD_BYTES)
-    if peek is None:
-        stream.seek(0)
-    kind = kind_of_text(head)
+    # Not `peek`: of a pipe it shows what has come so far.
+    source = open_source(stream)
+    kind = kind_of_text(source.read_at(0, HEAD_BYTES))
+    limits = options.limits
     if kind == "json":
-        return Checked(_check_json(stream.read(options.limits.json_bytes + 1), report, options))
+        return Checked(_check_json(source.read_at(0, limits.json_bytes + 1), report, options))
     if kind == "fit":
         from snhc.reference_impl.interpolation.fit import parse_fit
 
-        limits = options.limits
-        data = stream.read(limits.json_bytes + 1)
+        data = source.read_at(0, limits.json_bytes + 1)
         parse_fit(
             data, _fit_readings(options), max_sets=limits.fit_sets, max_links=limits.fit_links, limit=limits.json_bytes
         )
@@ -105,25 +103,33 @@ def check_input(stream: BinaryIO, report: Report, options: CheckOptions = DEFAUL
     if kind == "model":
         from .face_scene import read_model
 
-        read_model(stream.read(options.limits.json_bytes + 1), options.folder, options.limits, report)
+        read_model(source.read_at(0, limits.json_bytes + 1), options.folder, limits, report)
         return Checked(kind)
     if kind == "fdp":
+        from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES
         from snhc.reference_impl.model.face_definition import parse_fdp
 
-        definition, findings = parse_fdp(stream.read())
+        definition, findings = parse_fdp(source.read_at(0, MAX_JSON_BYTES + 1))
         for finding in (*findings, *_face_findings(definition, options)):
             report(finding)
         return Checked("face")
     if kind == "fap":
         from snhc.reference_impl.face.fap_text import FapReader
 
-        reader = FapReader(stream, strict=options.strict, limits=options.limits)
+        reader = FapReader(_pieces(source), strict=options.strict, limits=limits)
         for _ in reader:
             pass
         for finding in reader.findings():
             report(finding)
         return Checked("fap")
-    return Checked("stream", _check_stream(stream, report, options))
+    return Checked("stream", _check_stream(source, report, options))
+
+
+def _pieces(source: Source) -> Iterator[bytes]:
+    offset = 0
+    while piece := source.read_at(offset, _PIECE):
+        yield piece
+        offset += len(piece)
 
 
 def _check_json(data: bytes, report: Report, options: CheckOptions) -> str:
@@ -176,10 +182,9 @@ def _face_findings(definition: object, options: CheckOptions) -> Iterator[Findin
         yield check.finding
 
 
-def _check_stream(stream: BinaryIO, report: Report, options: CheckOptions) -> LevelReport | None:
+def _check_stream(source: Source, report: Report, options: CheckOptions) -> LevelReport | None:
     from snhc.reference_impl.model.feature_motion import unidirectional_findings
 
-    source = open_source(stream)
     outside: set[tuple[int, int] | None] = set()
 
     def reported(finding: Finding) -> None:

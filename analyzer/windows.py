@@ -70,6 +70,8 @@ class RunningPeak:
 
     def add(self, time: Fraction, bits: int) -> None:
         """Take a plane in. Rules: SYS-11. `bits`: 0 or more."""
+        if not self.ordered:
+            return
         coming = self._coming
         if not coming or time > coming[-1][0]:
             coming.append((time, bits, 1))
@@ -88,7 +90,11 @@ class RunningPeak:
         window = self._window
         if window:
             if time <= window[-1][0]:
+                # Nothing is known any more: nothing more is kept.
                 self.ordered = False
+                self._coming.clear()
+                window.clear()
+                return
             while window and time >= window[0][0] + 1:
                 self._close()
         window.append(entry)
@@ -104,9 +110,8 @@ class RunningPeak:
 
     def peak(self) -> Peak | None:
         """The fullest window, the earliest of equals; None without planes. No plane may follow. Rules: SYS-11."""
-        for entry in self._coming:
-            self._pass(entry)
-        self._coming.clear()
+        while self._coming:
+            self._pass(self._coming.pop(0))
         while self._window:
             self._close()
         return self._best

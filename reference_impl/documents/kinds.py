@@ -22,6 +22,9 @@ _NODE: Final = re.compile(r"(?:[\s,]++|#[^\n]*+\n)*+(?:DEF[\s,]++[^\s,{}\[\]\"#]
 _PICTURES: Final = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*", b"P5", b"P6")
 _OURS: Final = re.compile(rb'"format"\s*:\s*"snhc-([a-z-]{1,20})"')
 
+# What a JSON document may call itself.
+_NAMES: Final = ("dump", "mesh", "decoded", "report", "journal")
+
 # What it is, and the verbs that read it.
 _OTHERS: Final = {
     "stream": ("a visual stream", "decode, dump and check"),
@@ -57,7 +60,7 @@ def kind_of_input(head: bytes) -> str:
     if text.lstrip()[:1] == b"{":
         named = _OURS.search(text)
         name = named[1].decode() if named is not None else ""
-        return name if name in _OTHERS else "json"
+        return name if name in _NAMES else "json"
     if b"\0" in text:
         return ""
     return _kind_of_lines(text.decode("latin-1"))
@@ -67,11 +70,13 @@ def _kind_of_lines(text: str) -> str:
     node = _NODE.match(text)
     if node is not None:
         return "fit" if node[1] == "FIT" else "model"
-    for line in text.splitlines():
-        first = line.partition("#")[0].strip()
-        if first:
-            return "fdp" if _FDP_LINE.fullmatch(first) else "fap" if _FAP_LINE.fullmatch(first) else ""
-    return ""
+    lines = filter(None, (line.partition("#")[0].strip() for line in text.splitlines()))
+    first = next(lines, "")
+    if _FDP_LINE.fullmatch(first):
+        # The name of a FAP text may be a number; behind its first line stands a mask, behind a point another point.
+        is_fap = _FAP_LINE.fullmatch(first) and not _FDP_LINE.fullmatch(next(lines, first))
+        return "fap" if is_fap else "fdp"
+    return "fap" if _FAP_LINE.fullmatch(first) else ""
 
 
 def hint(head: bytes, wanted: str = "") -> str:

@@ -5,6 +5,7 @@ Rules: CNF-2, CNF-7, CNF-25.
 
 from __future__ import annotations
 
+import io
 import json
 import re
 from pathlib import Path
@@ -12,7 +13,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from snhc.analyzer.check import check_input
 from snhc.conformance.cli import VERBS, snhc
+from snhc.reference_impl.bitstream.errors import SnhcError
 from snhc.reference_impl.documents import kinds
 from snhc.reference_impl.documents.kinds import hint, kind_of_input
 from snhc.vectors.manifest import SUITE, load
@@ -41,6 +44,54 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_is_told_by_its_content(kind: str) -> None:
     assert kind_of_input(KINDS[kind]) == kind
+
+
+def test_a_fap_text_may_have_a_number_for_a_name(tmp_path: Path) -> None:
+    text = FAP.replace(b"speech", b"001")
+    assert kind_of_input(text) == kind_of_input(b"# one\n\n" + text) == "fap"
+    assert kind_of_input(b"2.1 1 25 3\n") == kind_of_input(b"2.1 1 25 3\n# two\n2.2 0 0 0 1.5\n") == "fdp"
+    path = tmp_path / "001.fap"
+    path.write_bytes(text)
+    for words in (["check", str(path)], ["encode", str(path), "-o", str(tmp_path / "001.fba")]):
+        assert CliRunner().invoke(snhc, words).exit_code == 0
+
+
+@pytest.mark.parametrize("name", ["zip", "pictures", "stream", "fap", "stats"])
+def test_json_that_calls_itself_what_is_no_json_is_json(name: str) -> None:
+    assert kind_of_input(b'{"format": "snhc-' + name.encode() + b'"}') == "json"
+
+
+@pytest.mark.parametrize("kind", ["fap", "fdp", "fit", "json", "stream"])
+def test_a_slow_pipe_is_told_like_a_file(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "input"
+    path.write_bytes(KINDS[kind])
+
+    def checked(stream: object) -> list[str]:
+        out: list[str] = []
+        try:
+            out.append(check_input(stream, lambda finding: out.append(str(finding))).kind)  # type: ignore[arg-type]
+        except SnhcError as error:
+            out.append(str(error))
+        return out
+
+    # Byte by byte, as a pipe may come.
+    with path.open("rb") as file, io.BufferedReader(Drop(KINDS[kind])) as pipe:
+        assert checked(pipe) == checked(file)
+
+
+class Drop(io.RawIOBase):
+    """A pipe that hands over one byte at a time."""
+
+    def __init__(self, data: bytes) -> None:
+        self._rest = io.BytesIO(data)
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: bytearray) -> int:  # type: ignore[override]
+        data = self._rest.read(1)
+        buffer[: len(data)] = data
+        return len(data)
 
 
 def test_inputs_of_the_suite_are_what_they_are() -> None:

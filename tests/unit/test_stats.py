@@ -158,6 +158,14 @@ def test_what_comes_far_too_late_is_out_of_order() -> None:
         assert running.ordered == (late == 2)
 
 
+def test_nothing_is_kept_of_what_is_out_of_order() -> None:
+    # Behind a clock that has gone back every second would lie inside the window.
+    running = RunningPeak()
+    for time in (100, 103, 106, *(Fraction(n, 30) for n in range(300))):
+        running.add(Fraction(time), 1)
+    assert not running.ordered and not running._window and not running._coming
+
+
 def timed(*codes: int) -> bytes:
     """Intra planes without FAPs at these seconds, then one a twenty-fifth later."""
     planes = []
