@@ -27,7 +27,7 @@ from typing import Final
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.findings import SEVERITIES, Finding
 from snhc.reference_impl.bitstream.source import Source
-from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
+from snhc.reference_impl.documents.toml_text import TomlFault, load_toml
 from snhc.reference_impl.rules import rules
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, trace_stream
 
@@ -37,7 +37,6 @@ from .query import FIELDS, Query, QueryError, Subject, subjects
 PREFIX: Final = "policy."
 NONE: Final = "none"
 SOME: Final = "some"
-MOST_BYTES: Final = 1 << 20
 MOST_RULES: Final = 1_000
 _ID: Final = re.compile(r"[a-z0-9]+([.-][a-z0-9]+)*")
 _FIELD: Final = re.compile(r"\{(\w*)\}")
@@ -81,12 +80,8 @@ def load_policy(path: Path) -> Policy:
 
     Rules: CNF-25. Raises OSError, and InputFormat (QueryError for an expression) with the path of the misfit.
     """
-    with path.open("rb") as file:
-        data = file.read(MOST_BYTES + 1)
-    if len(data) > MOST_BYTES:
-        raise InputFormat("CNF-25", "policy", value=f"{len(data)} bytes or more", allowed=f"at most {MOST_BYTES}")
     try:
-        table = parse_toml(data)
+        table = load_toml(path)
     except TomlFault as error:
         raise InputFormat("CNF-25", "policy", value=str(path), allowed=f"TOML: {error}") from error
     _typed(table, _TOP, "")

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Final
 
 from snhc.reference_impl.bitstream.errors import InputFormat
-from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
+from snhc.reference_impl.documents.toml_text import TomlFault, load_toml
 
 from .results import Known, Note, Report, Result
 
@@ -108,9 +108,8 @@ def load(path: Path) -> Ledger:
     """Read a ledger. Rules: CNF-15, CNF-25. Raises InputFormat with the path of the first misfit, OSError."""
     import jsonschema
 
-    text = path.read_bytes()
     try:
-        document = parse_toml(text)
+        document = load_toml(path)
     except TomlFault as error:
         raise InputFormat("CNF-15", "ledger", value=str(path), allowed=f"TOML: {error}") from error
     # JSON Schema knows no dates: as the text that they are written as.

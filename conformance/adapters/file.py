@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from snhc.conformance.process import DEFAULT_MEMORY, Surroundings, resolved
 from snhc.reference_impl.bitstream.limits import DEFAULT_LIMITS
-from snhc.reference_impl.documents.toml_text import TomlFault, parse_toml
+from snhc.reference_impl.documents.toml_text import TomlFault, load_toml
 from snhc.vectors.manifest import KINDS
 
 from .base import DEFAULT_TIMEOUT, Adapter, AdapterFault, Claims, unknown_reading
@@ -40,7 +40,7 @@ Table = dict[str, Any]
 def read(path: Path) -> Table:
     """The content of an adapter file. Rules: CNF-9. Raises AdapterFault where it is no TOML, OSError."""
     try:
-        return parse_toml(path.read_bytes())
+        return load_toml(path)
     except TomlFault as error:
         raise AdapterFault("CNF-9", "adapter file", value=str(path), allowed=f"TOML: {error}") from error
 

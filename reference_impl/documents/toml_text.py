@@ -6,9 +6,12 @@ Rules: CNF-7, CNF-25.
 from __future__ import annotations
 
 import re
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from ..bitstream.errors import cause
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 MAX_TOML_BYTES: Final = 1 << 20
 MAX_DEPTH: Final = 32
@@ -19,6 +22,15 @@ _LONG_KEY: Final = re.compile(rb"(?<![A-Za-z0-9_-])(?:%b[ \t]*+\.[ \t]*+){%d}" %
 
 class TomlFault(Exception):
     """A document is no TOML; its text says why, for people. Rules: CNF-7."""
+
+
+def load_toml(path: Path) -> dict[str, Any]:
+    """The tables of a file, of which no more than `MAX_TOML_BYTES` are read.
+
+    Rules: CNF-7, CNF-22. Raises TomlFault as `parse_toml`, OSError.
+    """
+    with path.open("rb") as file:
+        return parse_toml(file.read(MAX_TOML_BYTES + 1))
 
 
 def parse_toml(data: bytes) -> dict[str, Any]:

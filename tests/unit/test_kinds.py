@@ -8,6 +8,8 @@ from __future__ import annotations
 import io
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -175,3 +177,16 @@ def test_a_file_that_is_not_there_says_what_is_allowed(tmp_path: Path) -> None:
     assert json.loads(done.stderr)["allowed"] == "a file that is there"
     done = CliRunner().invoke(snhc, ["decode", str(tmp_path), "--json-errors"])
     assert json.loads(done.stderr)["allowed"] == "a file, no folder"
+
+
+@pytest.mark.parametrize(
+    "loader", ["analyzer.policy:load_policy", "conformance.ledger:load", "conformance.adapters.file:read"]
+)
+def test_of_a_file_without_end_no_more_is_read_than_may_be_there(loader: str) -> None:
+    module, _, name = loader.partition(":")
+    program = (
+        "import resource; resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)); from pathlib import Path; "
+        f"from snhc.{module} import {name}; {name}(Path('/dev/zero'))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert "more than 1048576 bytes" in done.stderr
