@@ -9,6 +9,7 @@ import csv
 import io
 import json
 import re
+import reprlib
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from typing import Any, Final
@@ -25,6 +26,16 @@ _FAPS: Final = 68
 _TIME: Final = re.compile(r"-?[0-9]{1,2000}/[1-9][0-9]{0,2000}")
 _STATE: Final = re.compile(r"[TRIUFS]{68}")
 _INTEGER: Final = re.compile(r"-?[0-9]{1,20}")
+
+
+# A decoder may print anything: what is said of a value is short.
+_SHOWN: Final = reprlib.Repr()
+_SHOWN.maxstring = _SHOWN.maxlong = _SHOWN.maxother = 60
+
+
+def shown(value: object) -> str:
+    """A value as a verdict shows it. Rules: CNF-17."""
+    return _SHOWN.repr(value)
 
 
 class Malformed(Exception):
@@ -64,7 +75,7 @@ def ndjson(text: bytes, kind: str = "fba") -> list[Frame]:
     if header.get("format") != "snhc-decoded" or header.get("kind") != kind:
         raise Malformed(f"line 1 is no snhc-decoded header of kind {kind}: {lines[0][:80]!r}")
     if header.get("version") != VERSION or not _is_integer(header["version"]):
-        raise Malformed(f"snhc-decoded version {header.get('version')!r}, known is {VERSION}")
+        raise Malformed(f"snhc-decoded version {shown(header.get('version'))}, known is {VERSION}")
     frames: list[Frame] = []
     for number, line in enumerate(lines[1:], 2):
         frame = _object(line, number)
@@ -84,11 +95,11 @@ def _head_fault(frame: Mapping[str, Any], keys: tuple[str, ...]) -> str:
     if missing:
         return f"no {', '.join(missing)}"
     if not _is_integer(frame["index"]):
-        return f"index is {frame['index']!r}, not an integer"
+        return f"index is {shown(frame['index'])}, not an integer"
     if "time" in keys and (not isinstance(frame["time"], str) or not _TIME.fullmatch(frame["time"])):
-        return f'time is {frame["time"]!r}, not "p/q"'
+        return f'time is {shown(frame["time"])}, not "p/q"'
     if "intra" in keys and not isinstance(frame["intra"], bool):
-        return f"intra is {frame['intra']!r}, not true or false"
+        return f"intra is {shown(frame['intra'])}, not true or false"
     return ""
 
 
@@ -148,7 +159,7 @@ def _frame_fault(frame: Mapping[str, Any]) -> str:
         return "faps is not a list of 68"
     for number, value in enumerate(faps, 1):
         if value is not None and not _is_integer(value):
-            return f"FAP {number} is {value!r}, neither integer nor null"
+            return f"FAP {number} is {shown(value)}, neither integer nor null"
     for name, keys in (("viseme", VISEME_KEYS), ("expression", EXPRESSION_KEYS)):
         value = frame[name]
         if value is not None and not (isinstance(value, dict) and all(_is_integer(value.get(key)) for key in keys)):
@@ -188,7 +199,7 @@ def _csv_frame(cells: Mapping[str, str], number: int) -> Frame:
     def cell(column: str) -> int | None:
         text = cells[column]
         if text and not _INTEGER.fullmatch(text):
-            raise Malformed(f"line {number}: {column} is {text!r}, not an integer")
+            raise Malformed(f"line {number}: {column} is {shown(text)}, not an integer")
         return int(text) if text else None
 
     def group(name: str, keys: tuple[str, ...]) -> dict[str, int | None] | None:

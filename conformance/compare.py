@@ -35,7 +35,7 @@ from snhc.vectors.decoding import Decoded, decode_input
 from snhc.vectors.manifest import CONCEAL, DOCUMENTS, REJECT, Accepted, Entry, Rejected
 
 from .adapters import REJECTED, Outcome
-from .candidate import Frame, Malformed, csv_rows, document_fap, fap_text, ndjson
+from .candidate import Frame, Malformed, csv_rows, document_fap, fap_text, ndjson, shown
 from .differences import Difference, Near, difference_of, exactly, fap_difference, float_difference, mesh_difference
 
 STATUSES: Final = ("pass", "fail", "error", "timeout", "crash", "skipped", "not_applicable", "xfail", "xpass")
@@ -271,7 +271,7 @@ def _rejected(
     if REJECT not in expect.allowed:
         return Verdict("fail", "the stream was rejected, the decoder has to go on")
     if "class" in said and said["class"] != expect.error_class:
-        return Verdict("fail", f"rejected as {said['class']!r}, expected {wanted}")
+        return Verdict("fail", f"rejected as {shown(said['class'])}, expected {wanted}")
     elsewhere = _elsewhere(expect, said)
     if elsewhere:
         return Verdict("fail", f"rejected at {elsewhere}, expected {wanted}")
@@ -285,9 +285,9 @@ def _elsewhere(expect: Rejected, said: Mapping[str, Any]) -> str:
         return f"bits {list(found)}" if found is not None and not overlap(found, expect.bits) else ""
     path, line = said.get("path"), said.get("line")
     if path is not None and not isinstance(path, str):
-        raise Malformed(f"path is {path!r}, not a text")
+        raise Malformed(f"path is {shown(path)}, not a text")
     if line is not None and type(line) is not int:
-        raise Malformed(f"line is {line!r}, not an integer")
+        raise Malformed(f"line is {shown(line)}, not an integer")
     if path and expect.path and not related(path, expect.path):
         return f"path {path}"
     return f"line {line}" if line is not None and expect.line is not None and line != expect.line else ""
@@ -304,12 +304,12 @@ def span(said: Mapping[str, Any]) -> tuple[int, int] | None:
     bits = said.get("bits")
     if bits is not None:
         if not (isinstance(bits, list) and len(bits) == 2 and all(type(bit) is int for bit in bits)):
-            raise Malformed(f"bits is {bits!r}, not [first, end]")
+            raise Malformed(f"bits is {shown(bits)}, not [first, end]")
         return bits[0], bits[1]
     bit = said.get("bit")
     if bit is not None:
         if type(bit) is not int:
-            raise Malformed(f"bit is {bit!r}, not an integer")
+            raise Malformed(f"bit is {shown(bit)}, not an integer")
         return bit, bit + 1
     return None
 

@@ -13,7 +13,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 from snhc.vectors.manifest import REJECT, SUITE, Accepted, Entry, Manifest, Rejected
 
@@ -26,6 +26,8 @@ from .compare import fell_over, judge, said
 from .diagnosis import DECODER, NOT_RUN, NOTE, OK, WRONG, Diagnosis, Step
 from .process import resolved
 from .scratch import scratch
+
+_REJECTS: Final = "a stream is rejected by exit code 1 without a traceback, and by nothing else"
 
 
 def examine(word: str, manifest: Manifest, suite: Path = SUITE) -> Diagnosis:
@@ -386,7 +388,7 @@ class _Walk:
             self._wrong(
                 "reject",
                 f"on the broken stream {entry.id}: {verdict.status}: {verdict.reason}",
-                "exit code 1 says that a stream is rejected, and nothing else does",
+                _REJECTS,
                 "The program",
             )
         elif verdict.status == "fail":
@@ -423,9 +425,7 @@ class _Walk:
             self._ok("empty", "an empty file is rejected")
         else:
             how = "accepted" if outcome.code == 0 else judge(entry, outcome, self._suite, "ndjson").reason
-            self._wrong(
-                "empty", f"an empty file is not rejected: {how}", "exit code 1 says so", "The program", state=DECODER
-            )
+            self._wrong("empty", f"an empty file is not rejected: {how}", _REJECTS, "The program", state=DECODER)
 
     def _options(self) -> None:
         assert self.adapter is not None

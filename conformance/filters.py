@@ -28,9 +28,20 @@ _FIELDS: Final[dict[str, Callable[[Entry], Iterable[str]]]] = {
     "tool": lambda entry: entry.tools,
 }
 
+MOST_GLOB: Final = 200
+
+
+def long_glob(globs: str) -> bool:
+    """Whether one of the patterns between `|` is too long: what has many `[` takes time by the square of them.
+
+    Rules: CNF-15.
+    """
+    return any(len(glob) > MOST_GLOB for glob in globs.split("|"))
+
 
 def selector(expression: str) -> Callable[[Entry], bool]:
-    """The test that an expression makes. Rules: CNF-15. Raises InputFormat for a field that there is not."""
+    """The test that an expression makes. Rules: CNF-15. Raises InputFormat for a field that there is not,
+    and for patterns of more than `MOST_GLOB` characters."""
     terms: list[tuple[bool, Callable[[Entry], Iterable[str]], list[str]]] = []
     for word in expression.split():
         wanted = not word.startswith("!")
@@ -39,6 +50,10 @@ def selector(expression: str) -> Callable[[Entry], bool]:
             name, globs = "id", name
         if name not in _FIELDS:
             raise InputFormat("CNF-15", "filter", value=word, allowed=f"terms with {', '.join(_FIELDS)}")
+        if long_glob(globs):
+            raise InputFormat(
+                "CNF-15", "filter", value=word, allowed=f"patterns of at most {MOST_GLOB} characters between |"
+            )
         terms.append((wanted, _FIELDS[name], globs.split("|")))
 
     def holds(entry: Entry) -> bool:

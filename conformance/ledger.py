@@ -29,6 +29,7 @@ from typing import Final
 from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.documents.toml_text import TomlFault, load_toml
 
+from .filters import MOST_GLOB, long_glob
 from .results import Known, Note, Report, Result
 
 SCHEMA_FILE: Final = Path(__file__).parent / "ledger.schema.json"
@@ -134,6 +135,13 @@ def load(path: Path) -> Ledger:
                 allowed="a day such as 2027-03-01",
                 path=where,
             ) from error
+        for key, long in (("vectors", long_glob(known["vectors"])), ("adapter", len(known["adapter"]) > MOST_GLOB)):
+            if long:
+                where = f"$.known[{number}].{key}"
+                raise InputFormat(
+                    "CNF-15", f"{path.name}: {where}", value=known[key], path=where,
+                    allowed=f"patterns of at most {MOST_GLOB} characters",
+                )  # fmt: skip
         entries.append(
             Entry(
                 known["vectors"],

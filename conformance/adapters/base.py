@@ -148,9 +148,9 @@ def unknown_reading(readings: Mapping[str, str]) -> str:
     known = ambiguities()
     for amb, key in readings.items():
         if amb not in known:
-            return f"there is no ambiguity {amb}"
+            return f"there is no ambiguity {amb:.80}"
         if key not in known[amb].readings:
-            return f"{amb} has no reading {key!r}; it has {', '.join(known[amb].readings)}"
+            return f"{amb} has no reading {key!r:.80}; it has {', '.join(known[amb].readings)}"
     return ""
 
 

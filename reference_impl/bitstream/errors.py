@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import ClassVar, Final
 
+MOST_SHOWN: Final = 400
+
 
 def one_line(text: str) -> str:
     """The text with everything that is not printable escaped: what an input holds must neither break a line nor steer
@@ -20,6 +22,14 @@ def one_line(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode("ascii") for char in text)
+
+
+def shortened(text: str) -> str:
+    """The text, or its beginning and its end: what an input holds may be as long as the input.
+
+    Rules: CNF-7.
+    """
+    return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN // 2]} ... {text[-MOST_SHOWN // 4 :]}"
 
 
 def cause(error: Exception) -> str:
@@ -85,13 +95,14 @@ class SnhcError(Exception):
     @property
     def message(self) -> str:
         """`bap_mask_type=2 at bits [131, 133) (plane[0].bap.group[7]): allowed 0, 1, 3 (FBA-40)`. Rules: CNF-7."""
-        parts = [self.what if self.value is None else f"{self.what}={self.value}"]
+        what = shortened(self.what)
+        parts = [what if self.value is None else f"{what}={shortened(str(self.value))}"]
         if self.bits is not None:
             parts.append(f"at bits [{self.bits[0]}, {self.bits[1]})")
         if self.line is not None:
             parts.append(f"at line {self.line}" + ("" if self.column is None else f", column {self.column}"))
         if self.path:
-            parts.append(f"({self.path})")
+            parts.append(f"({shortened(self.path)})")
         text = " ".join(parts)
         if self.allowed:
             text += f": allowed {self.allowed}"

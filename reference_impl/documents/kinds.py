@@ -19,6 +19,7 @@ _FDP_LINE: Final = re.compile(
 _FAP_LINE: Final = re.compile(r"\d++\.\d++\s++\S++\s++\d\S*+\s++\d++\s*+")
 # `FIT {` or `DEF name FIT {`, behind comments; what stands between tokens may be a comma.
 _NODE: Final = re.compile(r"(?:[\s,]++|#[^\n]*+\n)*+(?:DEF[\s,]++[^\s,{}\[\]\"#]++[\s,]++)?([A-Za-z_]\w*+)[\s,]*+\{")
+_NODES: Final = {"FIT": "fit", "InitialObjectDescriptor": "scene"}
 _PICTURES: Final = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\0", b"MM\0*", b"P5", b"P6")
 _OURS: Final = re.compile(rb'"format"\s*:\s*"snhc-([a-z-]{1,20})"')
 
@@ -34,6 +35,7 @@ _OTHERS: Final = {
     "fdp": ("a face definition", "check"),
     "fit": ("a FAP interpolation table", "check and fit"),
     "model": ("a model with face animation tables", "check, fat and render --model"),
+    "scene": ("a scene as text", ""),
     "json": ("JSON", "check, encode, fit, fat and dct"),
     "dump": ("a dump", "encode"),
     "mesh": ("a mesh document", "encode"),
@@ -69,7 +71,7 @@ def kind_of_input(head: bytes) -> str:
 def _kind_of_lines(text: str) -> str:
     node = _NODE.match(text)
     if node is not None:
-        return "fit" if node[1] == "FIT" else "model"
+        return _NODES.get(node[1], "model")
     lines = filter(None, (line.partition("#")[0].strip() for line in text.splitlines()))
     first = next(lines, "")
     if _FDP_LINE.fullmatch(first):
@@ -80,10 +82,12 @@ def _kind_of_lines(text: str) -> str:
 
 
 def hint(head: bytes, wanted: str = "") -> str:
-    """`this is FAP text: snhc encode, check and diff read it`; empty where nothing is known, or it is what is `wanted`.
+    """`this is FAP text: snhc encode, check and diff read it`; "" where nothing is known, or it is what is `wanted`.
 
     Rules: CNF-2, CNF-25.
     """
+    if not head:
+        return "this is empty"
     kind = kind_of_input(head)
     what, verbs = _OTHERS.get(kind, ("", ""))
     if not what or kind == wanted:

@@ -37,7 +37,8 @@ _EXPONENT_MAX: Final = 308
 _CONTROL: Final = re.compile(rb"[\x00-\x08\x0a-\x1f]")
 _TOKEN: Final = re.compile(rb"[^ \t]+")
 _INTEGER: Final = re.compile(rb"[+-]?[0-9]+")
-_DECIMAL: Final = re.compile(rb"([+-]?)([0-9]*)(?:\.([0-9]*))?(?:[eE]([+-]?)0*([0-9]+))?")
+# Possessive: a long number that ends in a letter is not tried once per digit.
+_DECIMAL: Final = re.compile(rb"([+-]?)([0-9]*+)(?:\.([0-9]*+))?(?:[eE]([+-]?)([0-9]++))?")
 
 DIALECTS: Final[dict[str, tuple[str, str]]] = {
     "text-crlf": ("info", "line end CR LF"),
@@ -276,7 +277,7 @@ class TextLines:
         match = _DECIMAL.fullmatch(token)
         if match is None or not (match[2] or match[3]):
             self.fault(position, what, token, "a number")
-        exponent = match[5] or b"0"
+        exponent = (match[5] or b"").lstrip(b"0") or b"0"
         if len(exponent) > 3 or int(exponent) > _EXPONENT_MAX:
             self.fault(position, what, token, f"a number, exponents -{_EXPONENT_MAX}..{_EXPONENT_MAX}")
         fraction = match[3] or b""

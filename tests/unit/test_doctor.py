@@ -186,6 +186,17 @@ def test_a_program_that_falls_over_is_no_rejection(tmp_path: Path) -> None:
     assert "was rejected" in _first_bad(_examined(tmp_path / "a.toml", _harness("rejects_everything"))).what
 
 
+def test_a_program_that_falls_over_on_broken_streams_is_told_so(tmp_path: Path) -> None:
+    code = (
+        f"import sys; sys.path.insert(0, {str(HARNESS)!r}); from _shared import answer, finish; "
+        "told = answer(); assert told[2] == 0, 'boom'; finish(*told)"
+    )
+    text = f"command = {json.dumps([PYTHON, '-S', '-c', code, '{input}'])}\n"
+    steps = {step.name: step for step in _examined(tmp_path / "a.toml", text).steps}
+    for name in ("reject", "empty"):
+        assert "AssertionError: boom" in steps[name].what and "without a traceback" in steps[name].fix
+
+
 def test_the_text_says_what_is_wrong_and_what_helps(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("command = ['pyhton3', 'x.py']\n")

@@ -33,6 +33,7 @@ KINDS = {
     "fdp": b"# points\n2.1 0.0 1.5 -3\n",
     "fit": b"DEF one FIT {\n}",
     "model": b"Group { }",
+    "scene": b"# BT\nInitialObjectDescriptor {\n}",
     "json": b'{"points": {}}',
     "dump": b'\xef\xbb\xbf{"format": "snhc-dump"}',
     "mesh": b'{"format":"snhc-mesh","version":1}',
@@ -145,6 +146,16 @@ def test_nothing_is_said_of_what_is_not_known(tmp_path: Path) -> None:
     done = CliRunner().invoke(snhc, ["decode", str(path)])
     assert done.exit_code == 3 and "this is" not in done.stderr
     assert hint(STREAM, "stream") == ""
+
+
+@pytest.mark.parametrize("verb", ["decode", "dump", "stats", "check", "plot"])
+def test_an_empty_input_is_called_empty(tmp_path: Path, verb: str) -> None:
+    path = tmp_path / "input"
+    path.write_bytes(b"")
+    done = CliRunner().invoke(snhc, [verb, str(path)])
+    assert done.exit_code == 3 and "; this is empty (FBA-1)" in done.stderr
+    done = CliRunner().invoke(snhc, [verb, "-"], input=b"")
+    assert done.exit_code == 3 and "; this is empty (FBA-1)" in done.stderr
 
 
 # -- documents that cannot be read -------------------------------------------------------------------------------------
