@@ -247,7 +247,7 @@ def plots(figures: Figures, folder: Path) -> None:
     axes.set_xscale("log")
     axes.set_xlabel("per second of processor time")
     axes.grid(axis="x", alpha=0.3)
-    axes.legend(loc="center right")
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False)
     figure.savefig(folder / "rates.svg", metadata={"Date": None})
     for key, label, scale in (("peak_kib", "peak memory, MB", 1024 / MEGABYTE), ("seconds", "processor seconds", 1.0)):
         figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
