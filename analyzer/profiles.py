@@ -139,8 +139,8 @@ class _Object:
     bits: int = 0
     first: Fraction = Fraction(0)
     last: Fraction = Fraction(0)
-    fullest: RunningPeak = field(default_factory=RunningPeak)
-    busiest: RunningPeak = field(default_factory=RunningPeak)
+    # The windows with most bits and most planes; None where they are not known.
+    peaks: tuple[Peak | None, Peak | None] | None = None
     rates: set[Fraction] = field(default_factory=set)
     tools: dict[str, int] = field(default_factory=dict)  # name -> first bit of the plane that has it
     first_data: Fraction | None = None
@@ -166,14 +166,28 @@ def check_profile(
         on_finding(finding)
 
     objects: list[_Object] = []
+    # Of the object that is read: a stream may hold very many.
+    fullest, busiest = RunningPeak(), RunningPeak()
+
+    def ended() -> None:
+        if objects:
+            peaks = fullest.peak(), busiest.peak()
+            objects[-1].peaks = peaks if fullest.ordered else None
+
     signalled: int | None = None
     for number, item, plane, bits in sized_planes(source, options, found):
         if number == len(objects):
+            ended()
             objects.append(_Object(number))
+            fullest, busiest = RunningPeak(), RunningPeak()
         if plane is not None:
-            _take(objects[-1], plane, bits)
+            time = time_of(plane)
+            fullest.add(time, bits)
+            busiest.add(time, 1)
+            _take(objects[-1], plane, time, bits)
         elif signalled is None and item.code == VISUAL_OBJECT_SEQUENCE:
             signalled = item.profile
+    ended()
     known = next((row for row in profile_level_codes() if row.code == signalled), None)
     checked = asked if asked is not None else known
 
@@ -187,14 +201,11 @@ def check_profile(
     return LevelReport(signalled, checked, asked is not None, criteria, own, "profile-tool" in seen)
 
 
-def _take(one: _Object, plane: AnyPlane, bits: int) -> None:
-    time = time_of(plane)
+def _take(one: _Object, plane: AnyPlane, time: Fraction, bits: int) -> None:
     one.first = min(one.first, time) if one.planes else time
     one.last = max(one.last, time) if one.planes else time
     one.planes += 1
     one.bits += bits
-    one.fullest.add(time, bits)
-    one.busiest.add(time, 1)
     if plane.header.is_frame_rate:
         rate = Fraction(plane.header.frame_rate * 16 + plane.header.seconds, 16)
         one.rates.add(rate * 1000 / 1001 if plane.header.frequency_offset else rate)
@@ -227,10 +238,8 @@ def _criteria(
     # Without a face profile everything that the stream holds is measured.
     measured = faces if limits else objects
     with_planes = [one for one in measured if one.planes]
-    if len(with_planes) == 1 and with_planes[0].fullest.ordered:
-        fullest, busiest = with_planes[0].fullest.peak(), with_planes[0].busiest.peak()
-    else:
-        fullest, busiest = collected({one.number for one in with_planes})
+    known = with_planes[0].peaks if len(with_planes) == 1 else None
+    fullest, busiest = known or collected({one.number for one in with_planes})
     peak = fullest or Peak(Fraction(0), 0, 0)
     detail = f"largest window of 1 s, from {_seconds(peak.start)}: {peak.bits} bits, {peak.planes} planes"
     yield _criterion("bit_rate", "bit/s", Fraction(peak.bits), limits.bit_rate if limits else None, detail)

@@ -6,6 +6,7 @@ Rules: SYS-8, SYS-9, SYS-10, SYS-11, SYS-12.
 from __future__ import annotations
 
 import json
+import tracemalloc
 from fractions import Fraction
 from pathlib import Path
 
@@ -218,6 +219,21 @@ def test_an_object_without_planes_and_limits() -> None:
 
 
 # -- the verb ----------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_kept_of_an_object_is_little() -> None:
+    # A stream of some megabytes may hold a hundred thousand objects.
+    def peak(count: int) -> int:
+        tracemalloc.start()
+        try:
+            check_profile(b"".join(write_stream([face_object(speech(1))]) for _ in range(count)))
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    peak(3)
+    few, many = peak(50), peak(250)
+    assert many - few < 200 * 2000
 
 
 def test_the_verb() -> None:
