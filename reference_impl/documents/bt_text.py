@@ -16,8 +16,9 @@ from snhc.reference_impl.bitstream.errors import InputFormat, ResourceLimit
 from snhc.reference_impl.documents.json_text import MAX_JSON_BYTES
 
 MAX_DEPTH: Final = 100
+# Possessive: otherwise a string is held as a hundred times its length, one way back per character.
 _TOKEN: Final = re.compile(
-    r"""[\s,]+|\#[^\n]*|(?P<mark>[{}\[\]])|(?P<string>"(?:[^"\\]|\\.)*")|(?P<word>[^\s,{}\[\]"\#]+)""",
+    r"""[\s,]+|\#[^\n]*|(?P<mark>[{}\[\]])|(?P<string>"(?:[^"\\]++|\\.)*+")|(?P<word>[^\s,{}\[\]"\#]+)""",
     re.DOTALL,
 )
 _INT: Final = re.compile(r"[+-]?[0-9]{1,18}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import signal
+import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -17,6 +18,7 @@ from snhc.conformance.candidate import Malformed, csv_rows, ndjson
 from snhc.conformance.compare import fell_over, said, span
 from snhc.conformance.filters import MOST_GLOB, selector
 from snhc.reference_impl.bitstream.errors import MOST_SHOWN, InputFormat, SnhcError
+from snhc.reference_impl.documents.bt_text import Token, parse_nodes
 from snhc.reference_impl.face.fap_text import read_fap
 from snhc.reference_impl.systems.output import CSV_COLUMNS
 
@@ -98,6 +100,23 @@ def test_what_is_said_of_a_long_value_is_short(tmp_path: Path) -> None:
     rows = ",".join(CSV_COLUMNS).encode() + b"\n" + b"9" * 100_000 + b"," * (len(CSV_COLUMNS) - 1)
     assert "index" in refused(lambda: csv_rows(rows))
     refused(lambda: span({"bits": ["x" * LONG]}))
+
+
+@pytest.mark.parametrize("inside", ("x" * LONG, "\\x" * LONG, '\\"' * LONG))
+@pytest.mark.parametrize("end", ("", '" }'))
+def test_long_strings_of_node_text_take_a_few_times_their_length(inside: str, end: str) -> None:
+    text = 'a { b "' + inside + end
+    tracemalloc.start()
+    try:
+        with at_once():
+            if end:
+                (value,) = parse_nodes(text)[0].fields["b"]
+                assert isinstance(value, Token) and len(value.text) == LONG
+            else:
+                refused(lambda: parse_nodes(text))
+        assert tracemalloc.get_traced_memory()[1] < 8 * len(text)
+    finally:
+        tracemalloc.stop()
 
 
 def test_an_error_keeps_both_ends_of_what_it_shows() -> None:
