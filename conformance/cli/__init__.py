@@ -84,10 +84,14 @@ def snhc() -> None:
 
 def main() -> None:
     """The entry point of the command. Rules: CNF-19."""
-    from .failures import exit_code, heed_signals
+    from .failures import exit_code, heed_signals, open_streams, unwritten
 
+    open_streams()
     heed_signals()
     try:
         snhc(prog_name="snhc")
     except KeyboardInterrupt as error:
         sys.exit(exit_code(error))
+    except OSError as error:
+        # Help and version are printed before any verb is there.
+        sys.exit(unwritten(error))

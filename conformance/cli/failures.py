@@ -171,3 +171,30 @@ def _settle_stdout() -> None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)
+
+
+def open_streams() -> None:
+    """Open the standard streams that the caller has closed, before another file takes their number. Rules: CNF-19.
+
+    What is written to them then fails as any other output: standard output is open for reading only.
+    """
+    for number, name, flags, mode in (
+        (0, "stdin", os.O_RDONLY, "r"), (1, "stdout", os.O_RDONLY, "w"), (2, "stderr", os.O_WRONLY, "w")
+    ):  # fmt: skip
+        if getattr(sys, name) is not None:
+            continue
+        nowhere = os.open(os.devnull, flags)
+        if nowhere != number:
+            os.dup2(nowhere, number)
+            os.close(nowhere)
+        stream = open(number, mode, encoding="utf-8", closefd=False)  # noqa: SIM115 (as long as the process)
+        setattr(sys, name, stream)
+
+
+def unwritten(error: OSError) -> int:
+    """Say that output could not be written; the exit code. Rules: CNF-19."""
+    _settle_stdout()
+    if error.errno == errno.EPIPE:
+        return BROKEN_PIPE
+    click.echo(f"snhc: {error.strerror or error}", err=True)
+    return INPUT_OUTPUT

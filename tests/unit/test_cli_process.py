@@ -224,3 +224,29 @@ def test_a_tree_on_a_terminal_goes_through_the_pager() -> None:
     assert b"\nsnhc: Truncated: " in seen
     code, seen = on_a_terminal("--no-pager")
     assert (code, seen.count(b"PAGED")) == (4, 0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="closed streams of POSIX shells")
+def test_closed_standard_streams_are_no_bug(tmp_path: Path) -> None:
+    """Cron jobs and daemons may start a command with any of them closed."""
+    path = tmp_path / "x.fba"
+    path.write_bytes(WORKED)
+
+    def closed(streams: str, *words: str) -> subprocess.CompletedProcess[bytes]:
+        line = ["sh", "-c", f'exec "$@" {streams}', "sh", *command(*words)]
+        return subprocess.run(line, capture_output=True, timeout=60, check=False, env=environment())
+
+    done = closed(">&-", "decode", "--quiet", str(path))
+    assert (done.returncode, done.stderr) == (3, b"snhc: Bad file descriptor\n")
+    for streams in (">&-", "<&-", "2>&-", "<&- >&- 2>&-"):
+        target = tmp_path / "out.ndjson"
+        assert closed(streams, "decode", str(path), "-o", str(target)).returncode == 0
+        assert target.read_bytes() == run("decode", str(path)).stdout
+        target.unlink()
+    assert path.read_bytes() == WORKED
+    done = closed("<&-", "decode", "-")
+    assert done.returncode == 3 and b"this is empty" in done.stderr
+    assert closed("2>&-", "decode", str(path)).stdout == run("decode", str(path)).stdout
+    for words in (["--version"], ["--help"], ["decode", "--help"]):
+        done = closed(">&-", *words)
+        assert (done.returncode, done.stderr) == (3, b"snhc: Bad file descriptor\n"), words
