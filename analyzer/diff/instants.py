@@ -33,6 +33,7 @@ from snhc.reference_impl.interpolation.frames_json import frame_from_json
 from snhc.reference_impl.mesh.records import MeshFrame
 from snhc.reference_impl.systems.stream import DEFAULT_OPTIONS, Options, decode_frames
 
+LONGEST_LINE: Final = 64 * MAX_LINE_BYTES
 FACE_KINDS: Final = ("fba", "faces")
 KINDS: Final = (*FACE_KINDS, "mesh", "vertices")
 _HEAD: Final = 4096
@@ -157,17 +158,22 @@ def _turned(triangle: Sequence[int]) -> tuple[int, ...]:
 
 
 def _lines(source: Source) -> Iterator[bytes]:
-    offset = 0
-    rest = b""
+    offset = held = 0
+    # Of the line that is not at its end yet; joined once, however many pieces it comes in.
+    pieces: list[bytes] = []
     while chunk := source.read_at(offset, 1 << 16):
         offset += len(chunk)
-        *lines, rest = (rest + chunk).split(b"\n")
+        first, *lines = chunk.split(b"\n")
+        pieces.append(first)
+        held += len(first)
+        if held > LONGEST_LINE:
+            raise InputFormat("CNF-22", "line", value=f"{held} bytes", allowed=f"at most {LONGEST_LINE}")
         for line in lines:
-            yield line + b"\n"
-        if len(rest) > 64 * MAX_LINE_BYTES:
-            raise InputFormat("CNF-22", "line", value=f"{len(rest)} bytes", allowed=f"at most {64 * MAX_LINE_BYTES}")
-    if rest:
-        yield rest
+            yield b"".join(pieces) + b"\n"
+            pieces = [line]
+            held = len(line)
+    if held:
+        yield b"".join(pieces)
 
 
 def _kind(root: object) -> str:

@@ -18,11 +18,13 @@ from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
 
+from snhc.analyzer.diff import instants
 from snhc.analyzer.diff.align import pairs
 from snhc.analyzer.diff.compare import compare
 from snhc.analyzer.diff.html import html_text
 from snhc.analyzer.diff.report import SCHEMA, Comparison, terminal_lines
 from snhc.conformance.cli import snhc
+from snhc.reference_impl.bitstream.errors import InputFormat
 from snhc.reference_impl.bitstream.source import BytesSource
 from snhc.reference_impl.face.records import FbaPlane
 from snhc.reference_impl.systems.stream import read_stream, write_stream
@@ -310,3 +312,18 @@ def test_the_page_holds_what_inputs_say_as_text(tmp_path: Path) -> None:
     assert "&lt;img" in text
     assert "<svg" in text
     assert "http" not in text.replace("http://www.w3.org", ""), "nothing from outside"
+
+
+@pytest.mark.parametrize("end", [b"", b"\n"])
+@pytest.mark.parametrize("length", [1, 65_535, 65_536, 65_537, 200_000])
+def test_lines_come_whole_wherever_the_pieces_end(length: int, end: bytes) -> None:
+    data = b"\n".join([b"", b"a" * length, b"", b"b" * 70_000, b"c" * length]) + end
+    assert list(instants._lines(BytesSource(data))) == data.splitlines(keepends=True)
+
+
+@pytest.mark.parametrize("end", [b"", b"\n"])
+def test_a_line_without_end_is_one_error(end: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(instants, "LONGEST_LINE", 150_000)
+    assert len(list(instants._lines(BytesSource(b"a" * 150_000 + end)))) == 1
+    with pytest.raises(InputFormat, match="150000"):
+        list(instants._lines(BytesSource(b"a" * 150_001 + end)))
