@@ -4,7 +4,7 @@ Rules: CNF-20. Files of the suite travel with the cases by content, and are held
 arrive: workers need this package of the same version, and what an adapter's command names, but no shared folders.
 
 A worker may die: its cases are done again by others. A result counts by decoder and vector, so that none is lost and
-none counts twice. A case that outlives no worker is a crash.
+none counts twice. A case that outlives no worker, also when it is the only one, is a crash.
 """
 
 from __future__ import annotations
@@ -61,21 +61,31 @@ def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path |
         flight: dict[str, Case] = {}
         pending = as_completed([], loop=client.loop)
 
+        submitted: list[str] = []
+        # Dask blames every case that a dead worker had before it, not only the one that took it down. These are run
+        # again when all others are done, one after the other, so that the blame falls on the right one.
+        suspects: list[Case] = []
+
+        def submit(case: Case) -> None:
+            key = f"snhc-{len(submitted)}-{case.entry.id}"
+            future = client.submit(
+                _on_worker, case, _files(case.entry, suite), str(suite), str(traces or ""), version, key=key,
+                pure=False,
+            )  # fmt: skip
+            submitted.append(key)
+            flight[future.key] = case
+            pending.add(future)
+
         def more() -> None:
             threads = max(1, sum(client.nthreads().values()))
             while len(flight) < AHEAD * threads and (case := next(rest, None)) is not None:
-                key = f"snhc-{len(submitted)}-{case.entry.id}"
-                future = client.submit(
-                    _on_worker, case, _files(case.entry, suite), str(suite), str(traces or ""), version, key=key,
-                    pure=False,
-                )  # fmt: skip
-                submitted.append(key)
-                flight[future.key] = case
-                pending.add(future)
+                submit(case)
 
-        submitted: list[str] = []
         more()
-        while flight:
+        while flight or suspects:
+            alone = not flight
+            if alone:
+                submit(suspects.pop(0))
             _await(client, pending, address)
             future = next(pending)
             case = flight.pop(future.key)
@@ -84,13 +94,17 @@ def run_cluster(cases: Sequence[Case], suite: Path, address: str, traces: Path |
             fault = future.exception()
             if fault is None:
                 result = future.result()
-            elif isinstance(fault, KilledWorker):
+            elif isinstance(fault, KilledWorker) and alone:
                 result = broken_case(case, suite, "each worker that ran it died")
+            elif isinstance(fault, KilledWorker):
+                result = None
+                suspects.append(case)
             else:
                 raise fault
             future.release()
-            assert isinstance(result, Result)
-            yield result
+            if result is not None:
+                assert isinstance(result, Result)
+                yield result
             more()
 
 

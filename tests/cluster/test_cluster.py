@@ -78,6 +78,8 @@ class Deadly(BuiltIn):
 
     def decode(self, entry: Entry, path: Path, aux: Path | None = None) -> Outcome:
         if entry.id == "fap.arith.example.1":
+            # Others are sent after it meanwhile.
+            time.sleep(0.5)
             os.kill(os.getpid(), signal.SIGKILL)
         return BuiltIn.decode(self, entry, path, aux)
 
@@ -86,6 +88,13 @@ def test_a_case_that_outlives_no_worker_is_a_crash(cluster: LocalCluster) -> Non
     report = run(MANIFEST, [Deadly()], select=selector("fap.arith.example.*"), cluster=cluster.scheduler_address)
     assert {r.vector: r.status for r in report.results}["fap.arith.example.1"] == "crash"
     assert Counter(r.status for r in report.results)["pass"] == len(report.results) - 1
+
+
+def test_what_waits_behind_a_deadly_case_is_not_blamed() -> None:
+    """A single worker always has the next case before it when it dies."""
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        report = run(MANIFEST, [Deadly()], select=selector("fap.arith.example.*"), cluster=cluster.scheduler_address)
+    assert [r.status for r in report.results] == ["crash", *["pass"] * (len(report.results) - 1)]
 
 
 def test_a_cluster_whose_workers_are_all_gone_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
