@@ -1,4 +1,4 @@
-"""TOML documents: adapters, policies, ledgers, registers.
+"""TOML documents of other people: adapters, policies, ledgers; and the reasons of the coverage book.
 
 Rules: CNF-7, CNF-25.
 """
